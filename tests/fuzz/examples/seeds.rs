@@ -40,6 +40,72 @@ const COLUMNS: &str = "format = 1\n[robots.r1]\nencoder_counts_per_rev = 100\n[r
     t_s = \"t\"\nx_m = { column = 5, offset = -1 }\ny_m = \"y\"\n%%ms,r,l,t,x,y\n1700000000000.5,1,2,,,\n\
     1700000000100,3,4,1700000000.25,1.5,NaN\n,,,1700000001,2,3\n";
 
+/// Text files without a map.
+const TEXTS: [(&str, &str); 6] = [
+    (
+        "trajectory",
+        "# timestamp tx ty tz qx qy qz qw\n1700000000.5 0 0 0 0 0 0 1\n1700000000.75 1.5 -2 0 0 0 0.6 0.8\n",
+    ),
+    (
+        "camera",
+        "1 0 0 0 0 1 0 0 0 0 1 0\n0 0 -1 -1 0 1 0 0 1 0 0 2\n",
+    ),
+    (
+        "echo",
+        "%time,field.header.stamp,field.pose.pose.position.x,field.pose.pose.position.y,field.pose.pose.orientation.z,\
+         field.pose.pose.orientation.w,field.twist.twist.linear.x,field.twist.twist.angular.z\n\
+         1700000009000000000,1700000000500000000,0,0,0,1,0,0\n1700000009300000000,1700000000600000000,1,2,0.6,0.8,0.5,-0.25\n",
+    ),
+    (
+        "message",
+        "10,0,map,1,2,0,0,0,0,1\n10,500000000,map,3,4,0,0,0,1,0\n",
+    ),
+    (
+        "robots",
+        "Version,1.2,of me\nt,r1_x,r1_y,r1_yaw,r2_encL,r2_encR,r2_vBat\ns,mm,mm,deg,,,mV\n0,1,2,3,4,5,6\n1,2,3,4,5,6,7\n2,3",
+    ),
+    (
+        "by_hand",
+        "Time;x_mm;y_mm;heading_deg;left_rpm;right_rpm\n2024-05-01 23:59:59,5;0;0;0;0;0\n2024-05-02 00:00:00,0;1500,5;-20;90;60;30\n",
+    ),
+];
+
+/// A log of SysId.
+const SYSID: &str = r#"{"fast-forward": [[2.0, 7, 7.5, 1, 2, 10, 20, 0.1, 0.25], [2.02, 7, 7.5, 1.5, 2.5, 10, 20, 0.2, 0.5]],
+"slow-forward": [[1.0, 12, 0.5, 0.1, 0.2, 0, 0.5, 0, 0, 0]], "sysid": true, "test": "Drivetrain", "units": "Meters", "unitsPerRotation": 0.5}"#;
+
+/// A data log of WPILib: a pose, speeds and a number, two of each.
+fn wpilog() -> Vec<u8> {
+    let mut log = b"WPILOG\x00\x01\x00\x00\x00\x00".to_vec();
+    let mut record = |entry: u8, t_us: u32, data: &[u8]| {
+        let length = u16::try_from(data.len()).unwrap();
+        log.extend([0b0011_0100, entry]);
+        log.extend(length.to_le_bytes());
+        log.extend(t_us.to_le_bytes());
+        log.extend(data);
+    };
+    let entries = [
+        (1, "/vision/pose", "struct:Pose2d", 3),
+        (2, "/drive/cmd", "struct:ChassisSpeeds", 3),
+        (3, "/drive/left", "double", 1),
+    ];
+    for (entry, name, kind, _) in entries {
+        let mut start = vec![0, entry, 0, 0, 0];
+        for text in [name, kind, ""] {
+            start.extend(u32::try_from(text.len()).unwrap().to_le_bytes());
+            start.extend(text.as_bytes());
+        }
+        record(0, 0, &start);
+    }
+    for t_us in [1_000_000, 1_020_000] {
+        for (entry, _, _, numbers) in entries {
+            record(entry, t_us, &0.25_f64.to_le_bytes().repeat(numbers));
+        }
+    }
+    record(0, 1_030_000, &[1, 3, 0, 0, 0]);
+    log
+}
+
 fn main() {
     let scratch = tempfile::tempdir().unwrap();
     let run = scratch.path().join("run.mcap");
@@ -97,6 +163,11 @@ fn recordings(run: &Path) {
     seed("mcap", "folder_plain", &plain(&own, false));
     seed("bag", "run_plain", &plain(&content, true));
     seed("foreign_csv", "two_streams", COLUMNS.as_bytes());
+    for (name, text) in TEXTS {
+        seed("text_file", name, text.as_bytes());
+    }
+    seed("sysid_json", "two_runs", SYSID.as_bytes());
+    seed("wpilog", "two_entries", &wpilog());
     let foreign = run.with_file_name("foreign.mcap");
     std::fs::write(&foreign, plain(&content, true)).unwrap();
     let guessed = read_mapped(&foreign, &Map::None).unwrap().guesses.remove(0);

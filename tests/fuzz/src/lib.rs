@@ -33,14 +33,17 @@ pub struct Target {
 }
 
 /// All targets.
-pub const TARGETS: [Target; 22] = [
+pub const TARGETS: [Target; 25] = [
     target("mcap", recordings::mcap),
     target("bag", recordings::bag),
     target("ros1_bag", recordings::bag),
     target("sqlite_bag", recordings::bag),
     target("message", messages::message),
+    target("wpilog", recordings::bag),
     target("csv_folder", recordings::csv_folder),
     target("foreign_csv", recordings::foreign_csv),
+    target("text_file", recordings::any_file),
+    target("sysid_json", recordings::any_file),
     target("recording_toml", toml_texts::recording_toml),
     target("robot_toml", toml_texts::robot_toml),
     target("urdf", robot_files::urdf),

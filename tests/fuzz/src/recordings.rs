@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use slipstream_recording::{
-    ColumnMap, Map, TopicMap, check, mcap_bytes, read_folder, read_mapped, read_mapped_from,
-    read_mcap_from, write_folder,
+    ColumnMap, Map, TopicMap, check, draft_map, mcap_bytes, read_folder, read_mapped,
+    read_mapped_from, read_mcap_from, write_folder,
 };
 
 use crate::one_line::assert_one_line;
@@ -72,6 +72,32 @@ pub(crate) fn foreign_csv(bytes: &[u8]) {
         }
         Err(error) => assert_one_line(&error),
     }
+}
+
+/// A file of others that is no bag, read without a map: a text file, whose map is guessed, or a log of SysId.
+pub(crate) fn any_file(bytes: &[u8]) {
+    let folder = scratch::folder();
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let path = folder.join("any");
+    std::fs::write(&path, bytes).expect("a file");
+    let guessed = match read_mapped(&path, &Map::None) {
+        Ok(import) => {
+            mcap_bytes(&import.recording, &path).expect("it can be written");
+            check(&import.recording, None);
+            import.guesses.into_iter().next()
+        }
+        Err(error) => return assert_one_line(&error),
+    };
+    let guessed = guessed.filter(|guessed| guessed.contains("guessed columns"));
+    let Some((_, map)) = guessed
+        .as_deref()
+        .and_then(|guessed| guessed.split_once('\n'))
+    else {
+        return;
+    };
+    ColumnMap::parse(map, Path::new("map.toml")).expect("a guess is a map");
+    let draft = draft_map(&path, &[]).expect("a draft");
+    ColumnMap::parse(&draft, Path::new("map.toml")).expect("a draft is a map");
 }
 
 /// Separates the files of a folder in an input of the target `csv_folder`.

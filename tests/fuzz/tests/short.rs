@@ -18,9 +18,11 @@ use slipstream_fuzz::{TARGETS, Target};
 const FAST: u32 = 4000;
 const SLOW: u32 = 400;
 /// The targets of the second kind.
-const SLOW_TARGETS: [&str; 5] = [
+const SLOW_TARGETS: [&str; 7] = [
     "csv_folder",
     "foreign_csv",
+    "text_file",
+    "sysid_json",
     "experiment_file",
     "set_arguments",
     "round_trips",

@@ -29,7 +29,7 @@ pub(crate) struct Arguments {
     /// Write the guessed map of a bag's topics, to be corrected and given with --topics; checks nothing
     #[arg(long, value_name = "FILE.toml")]
     write_topics: Option<PathBuf>,
-    /// Write a start of a map of CSV files, to be completed and given with --columns; checks nothing
+    /// Write the guess of a map of text files, to be corrected and given with --columns; checks nothing
     #[arg(long, value_name = "FILE.toml", conflicts_with = "write_topics")]
     write_columns: Option<PathBuf>,
     /// Write the report as JSON

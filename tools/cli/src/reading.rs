@@ -18,7 +18,8 @@ pub(crate) struct Reading {
     /// the guess]
     #[arg(long, value_name = "FILE.toml", conflicts_with = "columns")]
     topics: Option<PathBuf>,
-    /// Map from the columns of CSV files without recording.toml to streams (`check --write-columns` writes a start)
+    /// Map from the columns of text files without recording.toml to streams [default: guessed from names and first
+    /// rows; `check --write-columns` writes the guess]
     #[arg(long, value_name = "FILE.toml")]
     columns: Option<PathBuf>,
 }

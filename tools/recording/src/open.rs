@@ -9,20 +9,21 @@ use crate::carried::{description_in, draft_with_model, read_with_model};
 use crate::csv_folder::spool_folder;
 use crate::error::Result;
 use crate::foreign_bag::{TopicMap, WheelJoints};
-use crate::foreign_csv::{ColumnMap, draft, read_columns};
+use crate::foreign_csv::{ColumnMap, Draft, is_text, read_columns};
 use crate::import::{Import, Spooled};
 use crate::mcap_file::{is_own, read_own};
 use crate::robot_file::{self, Described};
+use crate::sysid_json::{is_json, read_sysid};
 
 /// What a user says about recordings that other programs wrote.
 #[derive(Debug, Clone, Default)]
 pub enum Map {
-    /// Nothing: topics of a bag are guessed.
+    /// Nothing: topics of a bag and columns of text files are guessed.
     #[default]
     None,
     /// Which topic of a bag is which stream.
     Topics(TopicMap),
-    /// Which column of CSV files is which column of a stream.
+    /// Which column of text files is which column of a stream.
     Columns(ColumnMap),
 }
 
@@ -48,21 +49,23 @@ enum Form {
     Bag(BagFile),
     /// A bag in a folder.
     Bags(BagFolder),
-    /// CSV files of others.
+    /// A text file of others, or a folder of CSV files.
     Csv,
+    /// A log of SysId.
+    SysId,
 }
 
 impl Form {
     fn of(path: &Path) -> Result<Self> {
         let metadata = std::fs::metadata(path).map_err(|e| InputError::unreadable(path, &e))?;
         if !metadata.is_dir() {
-            let is_csv = path
-                .extension()
-                .is_some_and(|own| own == "csv" || own == "txt");
-            return Ok(if is_csv {
-                Self::Csv
-            } else {
-                Self::Bag(BagFile::open(path)?)
+            // Pointers of Git LFS, which are text, are refused here.
+            let bag = BagFile::open(path)?;
+            let is_text = !is_bag(path)? && is_text(path)?;
+            return Ok(match is_text {
+                true if is_json(path)? => Self::SysId,
+                true => Self::Csv,
+                false => Self::Bag(bag),
             });
         }
         if path.join("recording.toml").exists() {
@@ -78,9 +81,9 @@ impl Form {
     }
 }
 
-/// Reads a recording: a folder of CSV files; an MCAP file that slipstream wrote; or a bag of another robot, which may be
-/// an MCAP file, an SQLite database or a folder of them, as ROS 2 writes it, or a ROS 1 bag. The topics of a foreign
-/// bag are guessed; [`Import::guesses`] has the guess.
+/// Reads a recording: a folder of CSV files; an MCAP file that slipstream wrote; a bag of another robot, which may be
+/// an MCAP file, an SQLite database or a folder of them, as ROS 2 writes it, a ROS 1 bag or a WPILib data log; or text
+/// files of others. The topics of a foreign bag and the columns of text files are guessed ([`Import::guesses`]).
 ///
 /// # Errors
 /// If it is none of these, cannot be read, or violates its format.
@@ -88,8 +91,7 @@ pub fn read(path: &Path) -> Result<Import> {
     read_mapped(path, &Map::None)
 }
 
-/// As [`read`]. With topics, a bag is read as one of another robot; with columns, CSV files without `recording.toml` are
-/// read, too.
+/// As [`read`]. With topics, a bag is read as one of another robot; with columns, text files are read as they say.
 ///
 /// # Errors
 /// As [`read`], or if a topic or column of the map does not exist or cannot provide its stream.
@@ -109,10 +111,11 @@ pub fn read_spooled(path: &Path, map: &Map, wheels: &[WheelJoints]) -> Result<Sp
     };
     let form = Form::of(path)?;
     let unused = match (&form, map) {
-        (Form::Folder, Map::Topics(_)) | (Form::Csv, Map::Topics(_)) => Some("has no topics"),
+        (Form::Folder | Form::Csv | Form::SysId, Map::Topics(_)) => Some("has no topics"),
         (Form::Folder, Map::Columns(_)) => {
             Some("has recording.toml, which says what the columns are")
         }
+        (Form::SysId, Map::Columns(_)) => Some("is a log of SysId, whose columns are known"),
         (Form::Bag(_) | Form::Bags(_), Map::Columns(_)) => Some("is a bag, which has no columns"),
         _ => None,
     };
@@ -120,8 +123,9 @@ pub fn read_spooled(path: &Path, map: &Map, wheels: &[WheelJoints]) -> Result<Sp
         Form::Folder => spool_folder(path)?,
         Form::Csv => match map {
             Map::Columns(columns) => read_columns(path, columns)?,
-            _ => return Err(not_mapped(path)),
+            _ => read_guessed(path)?,
         },
+        Form::SysId => read_sysid(path)?,
         Form::Bag(bag) => read_file(&bag, topics, wheels)?,
         Form::Bags(bags) => read_with_model(&bags, path, topics, wheels)?,
     };
@@ -157,11 +161,11 @@ pub fn read_mapped_from(content: &[u8], path: &Path, map: Option<&TopicMap>) -> 
 /// If the recording cannot be read, or needs no map.
 pub fn draft_map(path: &Path, wheels: &[WheelJoints]) -> Result<String> {
     match Form::of(path)? {
-        Form::Csv => draft(path),
+        Form::Csv => Ok(Draft::of(path)?.text()),
         Form::Bag(bag) => draft_with_model(&bag, path, wheels),
         Form::Bags(bags) => draft_with_model(&bags, path, wheels),
-        Form::Folder => {
-            let problem = "has recording.toml, and needs no map";
+        Form::Folder | Form::SysId => {
+            let problem = "says what its columns are, and needs no map";
             Err(InputError::file(path, problem, "give it without a map").into())
         }
     }
@@ -212,7 +216,7 @@ fn description(path: &Path) -> Result<(PathBuf, String)> {
     match Form::of(path)? {
         Form::Bag(bag) => description_in(&bag, path),
         Form::Bags(bags) => description_in(&bags, path),
-        Form::Folder | Form::Csv => {
+        Form::Folder | Form::Csv | Form::SysId => {
             let problem = "is a folder without a bag";
             let remedy = "give a URDF, the YAML of a controller or a robot.toml";
             Err(InputError::file(path, problem, remedy).into())
@@ -233,14 +237,47 @@ fn read_file(bag: &BagFile, topics: Option<&TopicMap>, wheels: &[WheelJoints]) -
     read_with_model(bag as &dyn Bag, bag.path(), topics, wheels)
 }
 
-/// CSV files cannot be read without a map; a folder may have none.
+/// Reads text files with the map that they seem to have.
+fn read_guessed(path: &Path) -> Result<Spooled> {
+    if csv_in(path).is_none() {
+        return Err(not_mapped(path));
+    }
+    let draft = Draft::of(path)?;
+    if draft.map.is_empty() {
+        return Err(not_mapped(path));
+    }
+    let mut spooled = read_columns(path, &draft.map).map_err(|error| match error {
+        crate::Error::Input(error) => InputError {
+            remedy: format!("the columns were guessed: {CORRECTION}"),
+            ..error
+        }
+        .into(),
+        error => error,
+    })?;
+    let tables = draft.tables();
+    let shown = path.display();
+    spooled.guesses = vec![format!(
+        "{shown}: guessed columns:\n{tables}# To correct it: {CORRECTION}"
+    )];
+    spooled.guesses.extend(draft.notes());
+    Ok(spooled)
+}
+
+/// What to do where columns are not known, or guessed wrongly.
+const CORRECTION: &str = "`slipstream check RECORDING --write-columns FILE.toml` writes a map to be corrected; then give --columns FILE.toml";
+
+/// Text files whose columns are not known need a map; a folder may have none.
 fn not_mapped(path: &Path) -> crate::Error {
     let error = match csv_in(path) {
         Some(file) => {
             let name = file.display();
-            let problem = format!("needs a map of the columns of {name}: it has no recording.toml");
-            let remedy = "`slipstream check RECORDING --write-columns columns.toml` writes one to be completed; then give --columns";
-            InputError::file(path, problem, remedy)
+            let of_which = if file == path {
+                "its columns".to_owned()
+            } else {
+                format!("the columns of {name}")
+            };
+            let problem = format!("needs a map of {of_which}, which do not tell what they are");
+            InputError::file(path, problem, CORRECTION)
         }
         None => {
             let problem = "contains neither recording.toml nor a bag";

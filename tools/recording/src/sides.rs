@@ -96,7 +96,7 @@ pub(crate) fn words(name: &str) -> impl Iterator<Item = &str> {
 }
 
 /// A name in small letters, with its words apart where only a capital tells them: `wheelR` becomes `wheel_r`.
-fn split_humps(name: &str) -> String {
+pub(crate) fn split_humps(name: &str) -> String {
     let mut split = String::with_capacity(name.len());
     let mut before = ' ';
     for letter in name.chars() {

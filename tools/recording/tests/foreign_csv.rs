@@ -69,8 +69,10 @@ fn without_a_map_or_with_a_wrong_one_it_says_what_to_do() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("log.csv");
     std::fs::write(&file, LOG).unwrap();
+    std::fs::write(&file, LOG.replace("enc_", "e").replace(";X;", ";P;")).unwrap();
     let error = read(folder.path()).unwrap_err().to_string();
     assert!(error.contains("--write-columns"), "{error}");
+    std::fs::write(&file, LOG).unwrap();
     // The draft is a map.
     let draft = draft_map(&file, &[]).unwrap();
     assert!(

@@ -1,4 +1,4 @@
-//! Bags, without the meaning of their messages: MCAP, SQLite and ROS 1 containers are read, MCAP is written.
+//! Bags, without the meaning of their messages: MCAP, SQLite, ROS 1 and WPILib containers are read, MCAP is written.
 
 mod chunk;
 mod file;
@@ -12,6 +12,7 @@ mod ros1;
 mod source;
 mod sqlite;
 mod summary;
+mod wpilog;
 mod writer;
 
 pub(crate) use file::open_file;

@@ -1,4 +1,4 @@
-//! Bags by their container, recognised by its first bytes: MCAP, SQLite, ROS 1; each also compressed as a whole.
+//! Bags by their container, recognised by its first bytes: MCAP, SQLite, ROS 1, WPILib; each also compressed as a whole.
 
 use std::fs::File;
 use std::io::{BufReader, Read};
@@ -11,7 +11,8 @@ use super::file::open_file;
 use super::item::{Item, Undecodable, Visit, VisitResult, Wanted};
 use super::loss::Loss;
 use super::summary::Summary;
-use super::{mcap as mcap_file, ros1, sqlite};
+use super::{mcap as mcap_file, ros1, sqlite, wpilog};
+use crate::git_lfs::refuse_pointer;
 use crate::output::temporary_file;
 
 /// A bag that can be read from its beginning as often as needed.
@@ -33,12 +34,14 @@ pub(crate) enum Container {
     Sqlite,
     /// A ROS 1 bag.
     Ros1,
+    /// A WPILib data log.
+    Wpilog,
 }
 
 /// First bytes of what Zstandard compressed.
 const ZSTD_MAGIC: &[u8] = &[0x28, 0xb5, 0x2f, 0xfd];
 /// So many bytes tell the container.
-const HEAD_BYTES: u64 = 16;
+const HEAD_BYTES: u64 = 64;
 
 impl Container {
     /// The container of a file that begins with these bytes. What is none of the others is taken for MCAP, whose
@@ -48,6 +51,8 @@ impl Container {
             Self::Sqlite
         } else if head.starts_with(b"#ROSBAG") {
             Self::Ros1
+        } else if head.starts_with(wpilog::MAGIC) {
+            Self::Wpilog
         } else {
             Self::Mcap
         }
@@ -80,10 +85,11 @@ impl BagFile {
     /// Recognises a file by its first bytes.
     ///
     /// # Errors
-    /// If the operating system does not read it.
+    /// If the operating system does not read it, or it is a pointer of Git LFS.
     pub(crate) fn open(path: &Path) -> Result<Self, InputError> {
         let (file, _) = open_file(path)?;
         let head = head(file).map_err(|e| InputError::unreadable(path, &e))?;
+        refuse_pointer(&head, path)?;
         let mut bag = Self {
             path: path.to_owned(),
             container: Container::of(&head),
@@ -151,6 +157,7 @@ impl Bag for BagFile {
         let visit = &mut unpacked(visit);
         match self.container {
             Container::Ros1 => ros1::read_ros1(&mut source, size, &self.path, wanted, visit),
+            Container::Wpilog => wpilog::read_wpilog(&mut source, size, &self.path, wanted, visit),
             _ => mcap_file::read_wanted(source, size, &self.path, wanted, visit),
         }
     }
@@ -178,6 +185,7 @@ impl Bag for BagBytes<'_> {
         match self.container() {
             Container::Mcap => mcap_file::read_wanted(content, size, path, wanted, visit),
             Container::Ros1 => ros1::read_ros1(&mut content, size, path, wanted, visit),
+            Container::Wpilog => wpilog::read_wpilog(&mut content, size, path, wanted, visit),
             Container::Sqlite => {
                 sqlite::read_database(&sqlite::from_bytes(content, path)?, path, wanted, visit)
             }

@@ -1,14 +1,14 @@
 //! What to type about an error, where the form of the recording has a place for it.
 
 use super::report::{Finding, Severity};
-use crate::recording::Form;
+use crate::recording::ReadFrom;
 
 /// A map of a bag's topics, and how to get one.
 const MAP: &str =
     "a map of topics (`slipstream check BAG --write-topics map.toml`, then --topics map.toml)";
 
 /// Adds to the remedy of each error how to do it.
-pub(super) fn add(form: Form, findings: &mut [Finding]) {
+pub(super) fn add(form: ReadFrom, findings: &mut [Finding]) {
     let errors = findings.iter_mut();
     for finding in errors.filter(|own| own.severity == Severity::Error) {
         if let Some(how) = how(form, finding) {
@@ -18,7 +18,7 @@ pub(super) fn add(form: Form, findings: &mut [Finding]) {
 }
 
 /// How to do what the remedy says.
-fn how(form: Form, finding: &Finding) -> Option<String> {
+fn how(form: ReadFrom, finding: &Finding) -> Option<String> {
     match &*finding.id {
         "wheels_swapped" => swapped(form),
         "wheel_reversed" | "wheels_reversed" => turned(form, finding),
@@ -32,19 +32,19 @@ fn how(form: Form, finding: &Finding) -> Option<String> {
 }
 
 /// How to exchange right and left.
-fn swapped(form: Form) -> Option<String> {
+fn swapped(form: ReadFrom) -> Option<String> {
     match form {
-        Form::Own => None,
-        Form::Folder => {
+        ReadFrom::Own => None,
+        ReadFrom::Folder => {
             Some("exchange the names of the columns in the first line of wheels.csv".to_owned())
         }
-        Form::Columns => Some("exchange right and left in the map for --columns".to_owned()),
-        Form::Bag => Some(format!("exchange right and left of wheels in {MAP}")),
+        ReadFrom::Columns => Some("exchange right and left in the map for --columns".to_owned()),
+        ReadFrom::Bag => Some(format!("exchange right and left of wheels in {MAP}")),
     }
 }
 
 /// How to turn the sign of wheels.
-fn turned(form: Form, finding: &Finding) -> Option<String> {
+fn turned(form: ReadFrom, finding: &Finding) -> Option<String> {
     let is_of = |side: &str| finding.statement.contains(&format!("{side} wheel"));
     let side = match (is_of("right"), is_of("left")) {
         (true, false) => "right",
@@ -52,21 +52,21 @@ fn turned(form: Form, finding: &Finding) -> Option<String> {
         _ => "both",
     };
     match form {
-        Form::Own => None,
-        Form::Folder => Some("multiply the column by -1 in the CSV file".to_owned()),
-        Form::Columns => {
+        ReadFrom::Own => None,
+        ReadFrom::Folder => Some("multiply the column by -1 in the CSV file".to_owned()),
+        ReadFrom::Columns => {
             Some("write { column = \"NAME\", factor = -1 } in the map for --columns".to_owned())
         }
-        Form::Bag => Some(format!("add reversed = \"{side}\" to wheels in {MAP}")),
+        ReadFrom::Bag => Some(format!("add reversed = \"{side}\" to wheels in {MAP}")),
     }
 }
 
 /// How to convert a unit.
-fn unit(form: Form) -> Option<String> {
+fn unit(form: ReadFrom) -> Option<String> {
     let text = match form {
-        Form::Own | Form::Bag => return None,
-        Form::Folder => "multiply the column in the CSV file",
-        Form::Columns => {
+        ReadFrom::Own | ReadFrom::Bag => return None,
+        ReadFrom::Folder => "multiply the column in the CSV file",
+        ReadFrom::Columns => {
             "write { column = \"NAME\", factor = 0.001 } for millimetres, 0.017453292519943295 for degrees, in the map for \
              --columns"
         }
@@ -93,13 +93,13 @@ mod tests {
         };
         let left = "the left wheel counts backwards (by the pose)";
         assert_eq!(
-            cured(Form::Bag, "wheel_reversed", left),
+            cured(ReadFrom::Bag, "wheel_reversed", left),
             "turn it: add reversed = \"left\" to wheels in a map of topics (`slipstream check BAG --write-topics map.toml`, then \
              --topics map.toml)"
         );
-        assert!(cured(Form::Columns, "wheel_reversed", left).contains("factor = -1"));
+        assert!(cured(ReadFrom::Columns, "wheel_reversed", left).contains("factor = -1"));
         let gyro = "pose and gyro have opposite yaw rates";
-        assert_eq!(cured(Form::Bag, "opposite_signs", gyro), "turn it");
-        assert_eq!(cured(Form::Own, "units", "wheels"), "turn it");
+        assert_eq!(cured(ReadFrom::Bag, "opposite_signs", gyro), "turn it");
+        assert_eq!(cured(ReadFrom::Own, "units", "wheels"), "turn it");
     }
 }

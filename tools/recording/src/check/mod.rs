@@ -73,7 +73,7 @@ fn check_rows(rows: &AllRows<'_>, model: Option<&RobotModel>) -> Report {
     findings.extend(machines.findings().into_iter().map(|(_, finding)| finding));
     links::check(rows, &mut findings);
     findings.extend(short(rows));
-    cure::add(rows.recording.form, &mut findings);
+    cure::add(rows.recording.read_from, &mut findings);
     sort(&mut findings);
     let (can_judge, missing) = coverage::coverage(rows, model);
     Report {
@@ -112,7 +112,7 @@ pub fn faults(
         all[number].push(finding);
     }
     for (findings, recording) in all.iter_mut().zip(recordings) {
-        cure::add(recording.form, findings);
+        cure::add(recording.read_from, findings);
         findings.retain(is_worth_knowing);
         sort(findings);
     }

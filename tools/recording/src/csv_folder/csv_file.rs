@@ -5,6 +5,7 @@ use std::path::Path;
 use csv::{ByteRecord, ReaderBuilder, Trim};
 use slipstream_bus::InputError;
 
+use crate::git_lfs::refuse_pointer;
 use crate::recording::UnknownColumn;
 use crate::table::out_of_range;
 
@@ -31,6 +32,7 @@ impl<'a> CsvFile<'a> {
         let file = std::fs::File::open(path).map_err(|e| InputError::unreadable(path, &e))?;
         let mut reader = ReaderBuilder::new().trim(Trim::All).from_reader(file);
         let header = reader.headers().map_err(|e| csv_error(path, &e))?;
+        refuse_pointer(header.as_slice().as_bytes(), path)?;
         let header: Vec<String> = header.iter().map(str::to_owned).collect();
         let file = Self {
             path,

@@ -8,7 +8,7 @@ use slipstream_bus::InputError;
 use super::csv_file::CsvFile;
 use crate::error::Result;
 use crate::import::{Import, Spooled};
-use crate::recording::{Form, Recording, Robot, is_robot_name};
+use crate::recording::{ReadFrom, Recording, Robot, is_robot_name};
 use crate::rows::{Disk, Spool, SpooledRecording};
 use crate::table::{
     Cells, ColumnSet, LINK_COLUMNS, LINK_POSE_COLUMNS, ROUND_TRIP_COLUMNS, StreamKind, Table,
@@ -29,7 +29,7 @@ pub(crate) fn spool_folder(folder: &Path) -> Result<Spooled> {
     let name = folder.file_name().map(|name| name.to_string_lossy());
     let text = read_text(&path)?;
     let mut description = recording_toml::parse(&text, &path, &name.unwrap_or_default())?;
-    description.form = Form::Folder;
+    description.read_from = ReadFrom::Folder;
     let mut warnings = Vec::new();
     let model = folder.join("robot.toml");
     if model.exists() {

@@ -188,6 +188,17 @@ impl Sample {
                     ..Self::stamped(&message.header)
                 }
             }
+            "struct:Pose2d" => {
+                let mut sample = Self::empty(None);
+                sample.pose = encoding.decode(data)?;
+                sample
+            }
+            "struct:ChassisSpeeds" => {
+                let [v_m_s, _, w_rad_s]: [f64; 3] = encoding.decode(data)?;
+                let mut sample = Self::empty(None);
+                sample.twist = [v_m_s, w_rad_s];
+                sample
+            }
             "slipstream_msgs/msg/MotorState" => motor_state(encoding, data)?,
             _ => return Err(NoSample::NotSelected),
         })

@@ -82,12 +82,14 @@ fn candidate(topic: &Topic, wheels: Option<joints::Wheels>) -> Option<Candidate>
     let mut quantity = None;
     let mut rank = 1;
     let kind = match topic.type_name() {
-        "Twist" | "TwistStamped" if is_command => {
+        "Twist" | "TwistStamped" | "struct:ChassisSpeeds" if is_command => {
             // What a multiplexer chooses from is not what the drives were told.
             rank = u32::from(!contains(&["input", "teleop", "joy", "key", "nav"]));
             StreamKind::Command
         }
-        "TwistStamped" | "TwistWithCovarianceStamped" => StreamKind::Odometry,
+        "TwistStamped" | "TwistWithCovarianceStamped" | "struct:ChassisSpeeds" => {
+            StreamKind::Odometry
+        }
         "Odometry" if is_reference(topic) => StreamKind::Pose,
         "Odometry" => {
             // Estimates that mix in other sensors are not those of the wheels.
@@ -103,6 +105,11 @@ fn candidate(topic: &Topic, wheels: Option<joints::Wheels>) -> Option<Candidate>
         "PoseStamped" | "PoseWithCovarianceStamped" | "TransformStamped" | "PointStamped"
             if !contains(&NOT_MEASURED) =>
         {
+            rank = pose_rank(topic);
+            StreamKind::Pose
+        }
+        // An odometry's pose is no measurement.
+        "struct:Pose2d" if !contains(&NOT_MEASURED) && !contains(&["odom"]) => {
             rank = pose_rank(topic);
             StreamKind::Pose
         }

@@ -18,7 +18,7 @@ use crate::bag::Bag;
 use crate::decode::StreamBuilder;
 use crate::error::Result;
 use crate::import::Spooled;
-use crate::recording::{Form, PosePoint, Recording, Robot};
+use crate::recording::{PosePoint, ReadFrom, Recording, Robot};
 use crate::ros::time::s_from_ns;
 use crate::rows::{Disk, SpooledRecording};
 
@@ -150,7 +150,7 @@ fn description(path: &Path, map: &TopicMap, clock: Clock) -> Recording {
     let mut recording = Recording {
         name: name.unwrap_or_default().into_owned(),
         origin: format!("ROS bag, times from {} s", s_from_ns(clock.start_ns)),
-        form: Form::Bag,
+        read_from: ReadFrom::Bag,
         ..Recording::default()
     };
     for source in &map.sources {

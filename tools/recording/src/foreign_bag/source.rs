@@ -176,7 +176,7 @@ impl Source {
         const POSE: &[&str] = &["x_m", "y_m", "yaw_rad"];
         let name = schema.rsplit('/').next().unwrap_or_default();
         match (self.kind, name) {
-            (StreamKind::Command, "Twist" | "TwistStamped") => Some(TWIST),
+            (StreamKind::Command, "Twist" | "TwistStamped" | "struct:ChassisSpeeds") => Some(TWIST),
             (
                 StreamKind::Odometry,
                 "Twist"
@@ -194,7 +194,8 @@ impl Source {
                 | "TransformStamped"
                 | "Odometry"
                 | "TFMessage"
-                | "tfMessage",
+                | "tfMessage"
+                | "struct:Pose2d",
             ) => Some(POSE),
             (StreamKind::Pose, "PointStamped") => Some(&["x_m", "y_m"]),
             (StreamKind::Imu, "Imu") => Some(&["ax_m_s2", "ay_m_s2", "gz_rad_s"]),

@@ -1,224 +1,237 @@
-//! Draft of a column map from the names of columns, to be completed by a person.
+//! The map of columns that files seem to have: to be read with, and to be completed by a person.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use slipstream_bus::InputError;
 
-use super::table::ForeignCsv;
+use super::column_map::ColumnMap;
+use super::entry::{Column, FileFormat, RobotEntry, Source, StreamEntry, TimeEntry};
+use super::guess::{Guessed, guess};
+use super::layout::{Layout, Sample};
+use super::map_text::table_text;
 use crate::error::Result;
 use crate::table::StreamKind;
-use crate::toml_files::quoted;
 
-/// A set of columns, each with the words by which a name may mean it: `right enc` are two words of one name, in any
-/// order; ` or ` separates names.
-type Guess = (StreamKind, &'static [(&'static str, &'static str)]);
+/// Name of a robot that the file does not name.
+const ROBOT: &str = "robot";
+/// So many cells of a row without names are shown.
+const SHOWN_CELLS: usize = 100;
 
-const TIME: &str = "t_s or time or t or timestamp or stamp or sec or secs or seconds or time s";
+/// The guess of a map.
+#[derive(Debug)]
+pub(crate) struct Draft {
+    /// What was guessed; no stream, if nothing was.
+    pub(crate) map: ColumnMap,
+    files: Vec<File>,
+}
 
-const GUESSES: [Guess; 9] = [
-    (
-        StreamKind::Pose,
-        &[
-            ("x_m", "x or x m or pos x or pose x or position x"),
-            ("y_m", "y or y m or pos y or pose y or position y"),
-            (
-                "yaw_rad",
-                "yaw or theta or heading or yaw rad or theta rad or heading rad or pose yaw or pose theta",
-            ),
-        ],
-    ),
-    (
-        StreamKind::Wheels,
-        &[
-            (
-                "ticks_right",
-                "right ticks or right enc or right encoder or r ticks or enc r or encoder r",
-            ),
-            (
-                "ticks_left",
-                "left ticks or left enc or left encoder or l ticks or enc l or encoder l",
-            ),
-        ],
-    ),
-    (
-        StreamKind::Wheels,
-        &[
-            (
-                "angle_right_rad",
-                "right angle or right angle rad or wheel right or wheel r or right pos",
-            ),
-            (
-                "angle_left_rad",
-                "left angle or left angle rad or wheel left or wheel l or left pos",
-            ),
-        ],
-    ),
-    (
-        StreamKind::Wheels,
-        &[
-            (
-                "speed_right_rad_s",
-                "right speed or speed r or right speed rad s or w r or omega r or right vel",
-            ),
-            (
-                "speed_left_rad_s",
-                "left speed or speed l or left speed rad s or w l or omega l or left vel",
-            ),
-        ],
-    ),
-    (
-        StreamKind::Command,
-        &[
-            (
-                "v_m_s",
-                "cmd v or v cmd or command v or v ref or cmd linear or v des",
-            ),
-            (
-                "w_rad_s",
-                "cmd w or w cmd or command w or w ref or cmd angular or w des or cmd omega",
-            ),
-        ],
-    ),
-    (
-        StreamKind::Command,
-        &[
-            (
-                "voltage_right_v",
-                "right voltage or voltage r or u r or v right",
-            ),
-            (
-                "voltage_left_v",
-                "left voltage or voltage l or u l or v left",
-            ),
-        ],
-    ),
-    (
-        StreamKind::Command,
-        &[
-            ("torque_right_nm", "right torque or torque r or tau r"),
-            ("torque_left_nm", "left torque or torque l or tau l"),
-        ],
-    ),
-    (
-        StreamKind::Odometry,
-        &[
-            (
-                "v_m_s",
-                "v or v m s or odom v or speed or linear vel or vel",
-            ),
-            (
-                "w_rad_s",
-                "w or omega or w rad s or odom w or yaw rate or angular vel",
-            ),
-        ],
-    ),
-    (
-        StreamKind::Imu,
-        &[(
-            "gz_rad_s",
-            "gz or gyro z or gz rad s or imu gz or imu yaw rate",
-        )],
-    ),
-];
+/// A file and its part of the guess.
+#[derive(Debug)]
+struct File {
+    name: String,
+    sample: Sample,
+    /// The streams, each with what a person should know about it.
+    streams: Vec<(StreamEntry, Option<&'static str>)>,
+    /// Streams that another file has already.
+    left_out: Vec<StreamKind>,
+}
 
-/// A map of the CSV files in a folder, or of one file, with what the names of the columns suggest.
-///
-/// # Errors
-/// If there is no CSV file, or one cannot be read.
-pub(crate) fn draft(path: &Path) -> Result<String> {
-    let mut text = String::from(
-        "# Which column is what. Complete it, then give it with --columns. A cell becomes cell * factor + offset:\n\
-         # write { column = \"heading_deg\", factor = 0.017453292519943295 } for degrees, factor = 0.001 for milliseconds or mm.\n\
-         format = 1\n",
-    );
-    let mut known = Vec::new();
-    for file in csv_files(path)? {
-        let separator = separator_of(&file)?;
-        let csv = ForeignCsv::open(&file, separator, true)?;
-        let name = file.file_name().unwrap_or_default().to_string_lossy();
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            text,
-            "\n# {name} has the columns: {}",
-            csv.header().join(", ")
-        );
-        for (kind, columns) in &GUESSES {
-            if known.contains(kind) {
-                continue;
+impl Draft {
+    /// Guesses the map of the files in a folder, or of one file.
+    ///
+    /// # Errors
+    /// If there is no CSV file, or one cannot be read.
+    pub(crate) fn of(path: &Path) -> Result<Self> {
+        let mut files = Vec::new();
+        let mut known = Vec::new();
+        for file in csv_files(path)? {
+            let sample = Sample::read(&file, FileFormat::default())?;
+            let name = file.file_name().unwrap_or_default().to_string_lossy();
+            let all = guess(&sample, &name).into_iter();
+            let key = |own: &Guessed| (own.robot.clone(), own.kind);
+            let (old, new): (Vec<_>, Vec<_>) = all.partition(|own| known.contains(&key(own)));
+            known.extend(new.iter().map(key));
+            let format = format_of(&sample.layout);
+            let streams = new.into_iter().map(|own| stream(own, &name, format));
+            files.push(File {
+                name: name.clone().into_owned(),
+                streams: streams.collect(),
+                left_out: old.into_iter().map(|own| own.kind).collect(),
+                sample,
+            });
+        }
+        let streams = files.iter().flat_map(|file| &file.streams);
+        let streams: Vec<StreamEntry> = streams.map(|(stream, _)| stream.clone()).collect();
+        let mut robots: Vec<RobotEntry> = Vec::new();
+        for stream in &streams {
+            if robots.iter().all(|known| known.name != stream.robot) {
+                robots.push(RobotEntry {
+                    name: stream.robot.clone(),
+                    is_pose_of_mass: false,
+                    encoder_counts_per_rev: None,
+                });
             }
-            if let Some(stream) = stream(csv.header(), columns) {
-                known.push(*kind);
+        }
+        let map = ColumnMap { robots, streams };
+        Ok(Self { map, files })
+    }
+
+    /// The tables of the streams, as they stand in a map.
+    pub(crate) fn tables(&self) -> String {
+        let tables = self.map.streams.iter().map(table_text);
+        format!("format = 1\n{}", tables.collect::<String>())
+    }
+
+    /// What a person should know about the guess, one entry each.
+    pub(crate) fn notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        for file in &self.files {
+            let name = &file.name;
+            for (stream, note) in &file.streams {
+                let note = note.map(|note| format!("{name}: {}: {note}", stream.kind.name()));
+                notes.extend(note);
+            }
+            let left_out = file.left_out.iter().map(|kind| kind.name());
+            notes.extend(
+                left_out.map(|kind| format!("{name}: {kind}: left out, since another file has it")),
+            );
+            let unused = file.unused();
+            if file.streams.is_empty() && file.left_out.is_empty() {
+                notes.push(format!(
+                    "{name}: not used, since its columns do not tell what they are"
+                ));
+            } else if !unused.is_empty() {
+                notes.push(format!("{name}: columns not used: {}", unused.join(", ")));
+            }
+        }
+        notes
+    }
+
+    /// The whole text of a map, with the columns of all files and the streams that are missing.
+    pub(crate) fn text(&self) -> String {
+        let mut text = String::from(
+            "# Which column is what, as guessed from names and first rows. Correct it, then give it with --columns.\n\
+             # A cell becomes cell * factor + offset: write { column = \"heading_deg\", factor = 0.017453292519943295 } for\n\
+             # degrees, factor = 0.001 for milliseconds or mm.\n\
+             format = 1\n",
+        );
+        for file in &self.files {
+            // Writing to a string cannot fail.
+            let columns = file.columns().replace(|c: char| c.is_control(), " ");
+            let _ = writeln!(text, "\n# {columns}");
+            for (stream, note) in &file.streams {
+                if let Some(note) = note {
+                    let _ = writeln!(text, "# {note}");
+                }
+                text.push_str(&table_text(stream));
+            }
+            for kind in &file.left_out {
                 let _ = writeln!(
                     text,
-                    "[robots.robot.{}]\nfile = {}",
-                    kind.name(),
-                    quoted(&name)
+                    "# {}: left out, since another file has it",
+                    kind.name()
                 );
-                if separator != b',' {
-                    let _ = writeln!(
-                        text,
-                        "separator = {}",
-                        quoted(&(separator as char).to_string())
-                    );
-                }
-                text.push_str(&stream);
+            }
+        }
+        let is_known = |kind: &StreamKind| self.map.streams.iter().any(|own| own.kind == *kind);
+        for kind in StreamKind::ALL.into_iter().filter(|kind| !is_known(kind)) {
+            let sets = kind.column_sets().iter();
+            let sets = sets.map(|set| set.names().collect::<Vec<_>>().join(", "));
+            let sets: Vec<String> = sets.collect();
+            let (kind, sets) = (kind.name(), sets.join("; or "));
+            let _ = writeln!(text, "\n# [robots.{ROBOT}.{kind}]: t_s and {sets}");
+        }
+        text
+    }
+}
+
+impl File {
+    /// The columns of the file, for a person.
+    fn columns(&self) -> String {
+        let name = &self.name;
+        let layout = &self.sample.layout;
+        if !layout.names.is_empty() {
+            return format!("{name} has the columns: {}", layout.names.join(", "));
+        }
+        let first = self.sample.rows.first().map_or(&[][..], Vec::as_slice);
+        let cells = first.iter().take(SHOWN_CELLS).enumerate();
+        let cells = cells.map(|(index, cell)| format!("{} = {cell}", index + 1));
+        let cells: Vec<String> = cells.collect();
+        format!("{name} has no header; its first row: {}", cells.join(", "))
+    }
+
+    /// Columns with names that no stream uses; a list of numbered ones as its first and last.
+    fn unused(&self) -> Vec<String> {
+        let uses = |name: &String| {
+            let is_it = |column: &Column| matches!(column, Column::Name(own) if own == name);
+            self.streams
+                .iter()
+                .any(|(stream, _)| columns_of(stream).into_iter().any(is_it))
+        };
+        let names = self.sample.layout.names.iter();
+        let names: Vec<&String> = names
+            .filter(|name| !name.is_empty() && !uses(name))
+            .collect();
+        let stem = |name: &str| {
+            let stem = name.trim_end_matches(|c: char| !c.is_ascii_alphabetic());
+            stem.to_owned()
+        };
+        let lists = names.chunk_by(|a, b| stem(a) == stem(b) && stem(a) != **a);
+        let lists = lists.filter_map(|list| match list {
+            [only] => Some((*only).clone()),
+            [first, .., last] => Some(format!("{first} to {last}")),
+            [] => None,
+        });
+        lists.collect()
+    }
+}
+
+/// The columns that a stream reads.
+fn columns_of(stream: &StreamEntry) -> Vec<&Column> {
+    let mut columns = match &stream.time {
+        TimeEntry::Column(column) => vec![column],
+        TimeEntry::Parts([s, ns]) => vec![s, ns],
+        TimeEntry::Period(_) => Vec::new(),
+    };
+    for (_, source) in &stream.columns {
+        match source {
+            Source::One(column) => columns.push(column),
+            Source::Direction(both) => columns.extend(both),
+            Source::Quaternion(first, last) => {
+                columns.extend(first.iter().flatten());
+                columns.extend(last);
             }
         }
     }
-    for kind in StreamKind::ALL
-        .into_iter()
-        .filter(|kind| !known.contains(kind))
-    {
-        let sets = kind
-            .column_sets()
-            .iter()
-            .map(|set| set.names().collect::<Vec<_>>().join(", "));
-        let sets: Vec<String> = sets.collect();
-        let _ = writeln!(
-            text,
-            "\n# [robots.robot.{}]: t_s and {}",
-            kind.name(),
-            sets.join("; or ")
-        );
-    }
-    Ok(text)
+    columns.into_iter().map(|entry| &entry.column).collect()
 }
 
-/// The keys of a stream, if the names of a file suggest all that it needs.
-fn stream(header: &[String], columns: &[(&str, &str)]) -> Option<String> {
-    let find = |names: &str| {
-        let mut names = names.split(" or ");
-        names.find_map(|wanted| header.iter().find(|column| means(column, wanted)))
+fn stream(guessed: Guessed, file: &str, format: FileFormat) -> (StreamEntry, Option<&'static str>) {
+    let Guessed {
+        robot,
+        kind,
+        time,
+        columns,
+        note,
+    } = guessed;
+    let stream = StreamEntry {
+        robot: robot.unwrap_or_else(|| ROBOT.to_owned()),
+        kind,
+        file: Some(file.to_owned()),
+        format,
+        time,
+        columns,
     };
-    let time = find(TIME).or_else(|| {
-        header
-            .iter()
-            .find(|column| words(column).first().is_some_and(|w| w == "time"))
-    })?;
-    let mut text = format!("t_s = {}\n", quoted(time));
-    for (column, names) in columns {
-        let _ = writeln!(text, "{column} = {}", quoted(find(names)?));
+    (stream, note)
+}
+
+/// What a map should say of a file's layout: what is not usual.
+fn format_of(layout: &Layout) -> FileFormat {
+    FileFormat {
+        separator: Some(layout.separator).filter(|separator| *separator != b','),
+        has_header: layout.names.is_empty().then_some(false),
     }
-    Some(text)
-}
-
-/// Whether a column's name has just these words, in any order.
-fn means(column: &str, wanted: &str) -> bool {
-    let mut own = words(column);
-    let mut wanted: Vec<&str> = wanted.split(' ').collect();
-    own.sort();
-    wanted.sort_unstable();
-    own == wanted
-}
-
-/// The words of a name, in small letters.
-fn words(name: &str) -> Vec<String> {
-    let words = name.split(|c: char| !c.is_ascii_alphanumeric());
-    words
-        .filter(|word| !word.is_empty())
-        .map(str::to_lowercase)
-        .collect()
 }
 
 /// The CSV files of a folder, sorted by name; or the file itself.
@@ -230,7 +243,7 @@ pub(crate) fn csv_files(path: &Path) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for entry in std::fs::read_dir(path).map_err(unreadable)? {
         let file = entry.map_err(unreadable)?.path();
-        let endings = ["csv", "txt", "tsv", "dat"];
+        let endings = ["csv", "txt", "tsv", "dat", "tum", "log"];
         if file
             .extension()
             .is_some_and(|own| endings.iter().any(|ending| own == *ending))
@@ -245,37 +258,4 @@ pub(crate) fn csv_files(path: &Path) -> Result<Vec<PathBuf>> {
     }
     files.sort();
     Ok(files)
-}
-
-/// The separator that the first line has most of.
-fn separator_of(file: &Path) -> Result<u8> {
-    let csv = ForeignCsv::open(file, b'\n', true)?;
-    let line = csv.header().first().cloned().unwrap_or_default();
-    let count = |separator: u8| line.bytes().filter(|byte| *byte == separator).count();
-    let separators = [b',', b';', b'\t'].into_iter().rev();
-    Ok(separators
-        .max_by_key(|separator| count(*separator))
-        .unwrap_or(b','))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::foreign_csv::ColumnMap;
-
-    #[test]
-    fn names_of_columns_suggest_a_map() {
-        let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join("log.csv");
-        std::fs::write(&file, "time;enc_left;enc_right;x;y;theta\n0;1;2;3;4;5\n").unwrap();
-        let text = draft(&file).unwrap();
-        for line in [
-            "ticks_right = \"enc_right\"",
-            "yaw_rad = \"theta\"",
-            "separator = \";\"",
-        ] {
-            assert!(text.contains(line), "{text}");
-        }
-        assert!(ColumnMap::parse(&text, Path::new("map.toml")).is_ok());
-    }
 }

@@ -5,11 +5,15 @@ use std::path::{Path, PathBuf};
 
 use slipstream_bus::InputError;
 
-use super::column_map::{ColumnEntry, ColumnMap, StreamEntry};
-use super::table::{ForeignCsv, Moment};
+use super::clock::{Clock, unit_of};
+use super::column_map::ColumnMap;
+use super::entry::{Source, StreamEntry};
+use super::moment::Moment;
+use super::table::{Cell, ForeignCsv};
 use crate::error::Result;
 use crate::import::Spooled;
-use crate::recording::{Form, Recording};
+use crate::recording::{ReadFrom, Recording};
+use crate::ros::messages::Quaternion;
 use crate::rows::{Disk, Spool, SpooledRecording, sorted_by_time};
 use crate::table::{Cells, Table, is_time, out_of_range};
 
@@ -31,7 +35,7 @@ pub(crate) fn read_columns(path: &Path, map: &ColumnMap) -> Result<Spooled> {
     let description = Recording {
         name: name.unwrap_or_default().into_owned(),
         origin: "CSV files, read with a map of their columns".to_owned(),
-        form: Form::Columns,
+        read_from: ReadFrom::Columns,
         robots: map.robots(),
         ..Recording::default()
     };
@@ -40,16 +44,20 @@ pub(crate) fn read_columns(path: &Path, map: &ColumnMap) -> Result<Spooled> {
     let mut warnings = Vec::new();
     for (stream, start) in map.streams.iter().zip(&starts) {
         let file = file_of(path, stream)?;
-        let clock = [*start, first];
-        let spool = read_stream(&file, stream, clock, &disk)?;
+        let (spool, left_out) = read_stream(&file, stream, [*start, first], &disk)?;
+        let shown = file.display();
+        for what in left_out {
+            let warning = format!("{shown}: {what}; left out");
+            if !warnings.contains(&warning) {
+                warnings.push(warning);
+            }
+        }
         if !spool.is_sorted() {
-            warnings.push(format!(
-                "{}: times run backwards; sorted by time",
-                file.display()
-            ));
+            warnings.push(format!("{shown}: times run backwards; sorted by time"));
         }
         recording.store(&stream.robot, stream.kind, sorted_by_time(spool));
     }
+    warnings.extend(apart(map, &starts));
     recording.disk.check()?;
     Ok(Spooled {
         recording,
@@ -58,6 +66,24 @@ pub(crate) fn read_columns(path: &Path, map: &ColumnMap) -> Result<Spooled> {
         on_model: Vec::new(),
         loss: None,
         left_out: BTreeMap::new(),
+    })
+}
+
+/// No two files of a recording begin so long after each other (s): three years.
+const MOST_APART_S: f64 = 1e8;
+
+/// What to say of files whose times count from different origins.
+fn apart(map: &ColumnMap, starts: &[Start]) -> Option<String> {
+    let streams = || map.streams.iter().zip(starts);
+    let order =
+        |a: &(&StreamEntry, &Start), b: &(&StreamEntry, &Start)| a.1.t_s().total_cmp(&b.1.t_s());
+    let ((first, begin), (last, end)) = streams().min_by(order).zip(streams().max_by(order))?;
+    let apart_s = end.t_s() - begin.t_s();
+    (apart_s > MOST_APART_S).then(|| {
+        let (last, first) = (last.name(), first.name());
+        format!(
+            "{last} begins {apart_s:.1e} s after {first}: their times count from different origins; give t_s an offset in the map of columns"
+        )
     })
 }
 
@@ -115,42 +141,54 @@ impl Start {
 }
 
 fn start_of(file: &Path, stream: &StreamEntry) -> Result<Start> {
-    let mut csv = stream.open(file)?;
-    let time = csv.index(&stream.time)?;
+    let mut csv = ForeignCsv::open(file, stream.format)?;
+    let mut clock = Clock::new(&csv, &stream.time)?;
     let mut first: Option<Moment> = None;
     while csv.next_row()? {
-        if let Some(moment) = csv.moment(time)? {
+        if let Some(moment) = clock.moment(&csv)? {
             first = Some(first.map_or(moment, |first| first.earlier(moment)));
         }
     }
+    let (unit_s, offset_s) = unit_of(&stream.time);
     Ok(Start {
         moment: first.unwrap_or_default(),
-        unit_s: stream.time.factor,
-        offset_s: stream.time.offset,
+        unit_s,
+        offset_s,
     })
 }
 
-/// Reads the rows of a stream. `clock` has the starts of this stream and of the recording.
-fn read_stream(file: &Path, stream: &StreamEntry, clock: [Start; 2], disk: &Disk) -> Result<Spool> {
-    let mut csv = stream.open(file)?;
-    let time = csv.index(&stream.time)?;
-    let indices = stream.columns.iter().map(|(_, entry)| csv.index(entry));
-    let indices: std::result::Result<Vec<usize>, InputError> = indices.collect();
-    let indices = indices?;
-    let names: Vec<&'static str> = stream.columns.iter().map(|(name, _)| *name).collect();
+/// Reads the rows of a stream. `starts` are those of this stream and of the recording. Returns also which rows
+/// are left out.
+fn read_stream(
+    file: &Path,
+    stream: &StreamEntry,
+    starts: [Start; 2],
+    disk: &Disk,
+) -> Result<(Spool, Vec<String>)> {
+    let mut csv = ForeignCsv::open(file, stream.format)?;
+    let mut clock = Clock::new(&csv, &stream.time)?;
+    let sources = stream.columns.iter().map(|(name, source)| {
+        let source = source.try_map(|column| csv.find(column))?;
+        Ok((*name, source))
+    });
+    let sources: Result<Vec<(&'static str, Source<Cell>)>> = sources.collect();
+    let sources = sources?;
+    let names: Vec<&'static str> = sources.iter().map(|(name, _)| *name).collect();
     let mut spool = Spool::new(disk, Table::new(&names, Vec::new()));
     let mut has_values = vec![false; names.len()];
-    let [start, first] = &clock;
+    let [start, first] = &starts;
     let begin_s = start.since(first);
     while csv.next_row()? {
-        let mut cells = Vec::with_capacity(names.len());
-        for ((name, entry), index) in stream.columns.iter().zip(&indices) {
-            cells.push(cell(&csv, name, entry, *index)?);
-        }
+        let moment = clock.moment(&csv)?;
+        let cells = sources
+            .iter()
+            .map(|(name, source)| cell(&csv, name, source));
+        let cells: std::result::Result<Vec<f64>, InputError> = cells.collect();
+        let cells = cells?;
         if cells.iter().all(|cell| cell.is_nan()) {
             continue;
         }
-        let Some(moment) = csv.moment(time)? else {
+        let Some(moment) = moment else {
             return Err(csv
                 .row_error("has no time", "give every row its time")
                 .into());
@@ -168,17 +206,16 @@ fn read_stream(file: &Path, stream: &StreamEntry, clock: [Start; 2], disk: &Disk
         spool.end_row();
     }
     check(file, stream, &spool, &has_values)?;
-    Ok(spool)
+    Ok((spool, csv.left_out()))
 }
 
-/// A cell in the unit of the format; NaN if it is empty.
+/// A value of the format; NaN if it is empty.
 fn cell(
     csv: &ForeignCsv<'_>,
     name: &str,
-    entry: &ColumnEntry,
-    index: usize,
+    source: &Source<Cell>,
 ) -> std::result::Result<f64, InputError> {
-    let cell = csv.number(index)? * entry.factor + entry.offset;
+    let cell = value(csv, source)?;
     if cell.is_nan() {
         return Ok(cell);
     }
@@ -192,6 +229,29 @@ fn cell(
     match out_of_range(name, cell) {
         Some(remedy) => Err(csv.row_error(format!("{name} is {cell}"), remedy)),
         None => Ok(cell),
+    }
+}
+
+/// What a source has in the current row.
+fn value(csv: &ForeignCsv<'_>, source: &Source<Cell>) -> std::result::Result<f64, InputError> {
+    match source {
+        Source::One(cell) => csv.number(*cell),
+        Source::Direction([x, y]) => {
+            let (x, y) = (csv.number(*x)?, csv.number(*y)?);
+            Ok(if x == 0.0 && y == 0.0 {
+                f64::NAN
+            } else {
+                y.atan2(x)
+            })
+        }
+        Source::Quaternion([x, y], [z, w]) => {
+            let or_0 = |cell: &Option<Cell>| cell.map_or(Ok(0.0), |cell| csv.number(cell));
+            let (x, y, z, w) = (or_0(x)?, or_0(y)?, csv.number(*z)?, csv.number(*w)?);
+            let size = (x * x + y * y + z * z + w * w).sqrt();
+            // Some fill what they do not measure with zeros: NaN.
+            let [x, y, z, w] = [x, y, z, w].map(|part| part / size);
+            Ok(Quaternion { x, y, z, w }.yaw())
+        }
     }
 }
 

@@ -29,7 +29,7 @@ pub struct Recording {
     /// Who or what made it.
     pub origin: String,
     /// What it was read from.
-    pub form: Form,
+    pub read_from: ReadFrom,
     /// Whether the robots are runs of one and the same machine.
     pub same_robot: bool,
     /// Keys of `recording.toml` that the format does not define, in file order.
@@ -46,7 +46,7 @@ pub struct Recording {
 
 /// What a recording was read from.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Form {
+pub enum ReadFrom {
     /// Memory, or a file of slipstream's own.
     #[default]
     Own,

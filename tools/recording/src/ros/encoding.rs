@@ -10,7 +10,8 @@ use super::{cdr, ros1};
 pub(crate) enum Encoding {
     /// CDR, of ROS 2.
     Cdr,
-    /// That of ROS 1, whose headers begin with a sequence number.
+    /// That of ROS 1, whose headers begin with a sequence number; WPILib's packed values, which have no header, are the
+    /// same.
     Ros1,
 }
 
@@ -27,7 +28,7 @@ impl Encoding {
     pub(crate) fn of(name: &str) -> Option<Self> {
         match name {
             "cdr" => Some(Self::Cdr),
-            "ros1" => Some(Self::Ros1),
+            "ros1" | "wpilog" => Some(Self::Ros1),
             _ => None,
         }
     }
