@@ -251,6 +251,14 @@ fn fields_of_a_message_are_read_by_its_definition() {
 }
 
 #[test]
+fn messages_in_another_encoding_are_named() {
+    let Some(path) = bag("json.mcap") else { return };
+    let import = read(&path).unwrap();
+    let said = "not read, because messages are neither in CDR nor in the encoding of ROS 1: /wheels (json)";
+    assert_eq!(import.guesses[1..], [said]);
+}
+
+#[test]
 fn speeds_and_angles_are_told_by_their_names() {
     let Some(speeds) = bag("speeds") else { return };
     let import = read(&speeds).unwrap();

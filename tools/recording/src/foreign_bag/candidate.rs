@@ -35,6 +35,18 @@ const REFERENCE: [&str; 10] = [
     "map",
 ];
 
+/// Words in topics of poses that a robot is told, or that a person or planner gives.
+const TOLD: [&str; 8] = [
+    "goal",
+    "initialpose",
+    "target",
+    "waypoint",
+    "setpoint",
+    "clicked",
+    "lookahead",
+    "carrot",
+];
+
 /// A stream that a topic may hold.
 pub(super) struct Candidate {
     pub(super) source: Source,
@@ -46,6 +58,11 @@ pub(super) struct Candidate {
 /// Whether a name has the word of a reference outside of the robot. It is in lower case.
 pub(super) fn is_of_reference(name: &str) -> bool {
     REFERENCE.iter().any(|word| has_word(name, word))
+}
+
+/// Whether the poses of a topic are no measurement. Its name is in lower case.
+pub(super) fn is_told(name: &str) -> bool {
+    TOLD.iter().any(|word| name.contains(word))
 }
 
 /// Whether one of a name's words begins with `word`.

@@ -1,6 +1,6 @@
 //! Guess of a topic map from the types, names and contents of the topics.
 
-use super::candidate::{Candidate, has_word, is_of_reference, robot_of_topic};
+use super::candidate::{Candidate, has_word, is_of_reference, is_told, robot_of_topic};
 use super::description::WheelJoints;
 use super::frames::Frames;
 use super::source::{Quantity, Source};
@@ -11,18 +11,8 @@ use crate::decode::MessageSelector;
 use crate::ros::Encoding;
 use crate::table::StreamKind;
 
-/// Words in topics of poses that are no measurement of a reference: goals, and estimates from the wheels themselves.
-const NOT_MEASURED: [&str; 9] = [
-    "goal",
-    "initialpose",
-    "target",
-    "waypoint",
-    "ekf",
-    "ukf",
-    "filtered",
-    "combined",
-    "setpoint",
-];
+/// Words in topics of estimates that mix sensors, the wheels among them.
+const MIXED: [&str; 4] = ["ekf", "ukf", "filtered", "combined"];
 
 /// The guess of a map, and what a person should know about it, one entry each.
 pub(super) struct Guess {
@@ -93,7 +83,7 @@ fn candidate(topic: &Topic, wheels: Option<joints::Wheels>) -> Option<Candidate>
         "Odometry" if is_reference(topic) => StreamKind::Pose,
         "Odometry" => {
             // Estimates that mix in other sensors are not those of the wheels.
-            rank = u32::from(!contains(&NOT_MEASURED));
+            rank = u32::from(!contains(&MIXED));
             StreamKind::Odometry
         }
         "PoseStamped" | "PoseWithCovarianceStamped"
@@ -103,7 +93,7 @@ fn candidate(topic: &Topic, wheels: Option<joints::Wheels>) -> Option<Candidate>
             StreamKind::Odometry
         }
         "PoseStamped" | "PoseWithCovarianceStamped" | "TransformStamped" | "PointStamped"
-            if !contains(&NOT_MEASURED) =>
+            if !contains(&MIXED) && !is_told(&name) =>
         {
             rank = pose_rank(topic);
             StreamKind::Pose

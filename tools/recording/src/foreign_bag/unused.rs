@@ -1,5 +1,6 @@
 //! What a guess did not use although it might be a source.
 
+use super::candidate::is_told;
 use super::joints;
 use super::meaning::Meaning;
 use super::numbers::may_have_numbers;
@@ -7,10 +8,9 @@ use super::pairs::meaning_of;
 use super::source::Source;
 use super::survey::Topic;
 use crate::decode::layout_of;
+use crate::ros::Encoding;
 use crate::table::StreamKind;
 
-/// Words in topics of poses that a robot is told, or that a person gives.
-const TOLD: [&str; 5] = ["goal", "initialpose", "target", "waypoint", "setpoint"];
 /// So many sources are named.
 const MOST: usize = 30;
 
@@ -29,6 +29,7 @@ pub(super) fn notes(topics: &[Topic], possible: &[Source], used: &[Source]) -> V
         possible.iter().any(|own| own.topics().contains(&name))
     };
     notes.extend(undefined(topics));
+    notes.extend(in_other_encodings(topics));
     for topic in topics.iter().filter(|topic| !is_possible(topic)) {
         match joints::without_sides(topic).filter(|_| !has_wheels) {
             Some(note) => notes.push(note),
@@ -79,8 +80,7 @@ fn of_topic(topic: &Topic, used: &[Source]) -> Option<String> {
 
 /// The stream that messages of a type can give.
 fn by_type(topic: &Topic) -> Option<StreamKind> {
-    let name = topic.channel.topic.to_lowercase();
-    let is_told = TOLD.iter().any(|word| name.contains(word));
+    let is_told = is_told(&topic.channel.topic.to_lowercase());
     Some(match topic.type_name() {
         "Twist" => StreamKind::Command,
         "TwistStamped" | "TwistWithCovarianceStamped" | "Odometry" => StreamKind::Odometry,
@@ -119,6 +119,7 @@ fn undefined(topics: &[Topic]) -> Option<String> {
     let is_undefined = |topic: &&Topic| {
         let channel = &topic.channel;
         may_have_numbers(channel)
+            && Encoding::of(&channel.encoding).is_some()
             && !channel.schema.starts_with("std_msgs/")
             && layout_of(channel).is_none()
     };
@@ -130,6 +131,20 @@ fn undefined(topics: &[Topic]) -> Option<String> {
     Some(format!(
         "not read, because the bag has no definition of their types: {listed}; if one has wheels, convert the bag to MCAP \
          (`ros2 bag convert`) where these types are installed"
+    ))
+}
+
+/// The topics whose messages no reader here decodes.
+fn in_other_encodings(topics: &[Topic]) -> Option<String> {
+    let channels = topics.iter().map(|topic| &topic.channel);
+    let others = channels.filter(|channel| Encoding::of(&channel.encoding).is_none());
+    let names = others.map(|channel| match channel.encoding.as_str() {
+        "" => channel.topic.clone(),
+        encoding => format!("{} ({encoding})", channel.topic),
+    });
+    let listed = list(names.collect())?;
+    Some(format!(
+        "not read, because messages are neither in CDR nor in the encoding of ROS 1: {listed}"
     ))
 }
 

@@ -336,6 +336,21 @@ def write_ros1_mcap(out, topics):
         writer.finish()
 
 
+def write_json(out):
+    """A pose in CDR, and wheels in JSON."""
+    with open(out, "wb") as stream:
+        writer = WriterMcap(stream)
+        writer.start()
+        text, _ = STORE.generate_msgdef("geometry_msgs/msg/PoseStamped", ros_version=2)
+        schema = writer.register_schema("geometry_msgs/msg/PoseStamped", "ros2msg", text.encode())
+        pose_channel = writer.register_channel("/mocap/pose", "cdr", schema)
+        json_channel = writer.register_channel("/wheels", "json", 0)
+        for t_ns, _, kind, message in messages({"/mocap/pose": pose_stamped()}, 100):
+            writer.add_message(pose_channel, t_ns, bytes(STORE.serialize_cdr(message, kind)), t_ns)
+            writer.add_message(json_channel, t_ns, b'{"left": 1}', t_ns)
+        writer.finish()
+
+
 def main(out):
     out.mkdir(parents=True, exist_ok=True)
     for name, topics in BAGS.items():
@@ -350,6 +365,7 @@ def main(out):
     with sqlite3.connect(out / "apart_database" / "apart_database.db3") as database:
         database.execute("DROP TABLE message_definitions")
     write_ros1(out / "state.bag", BAGS["sensor_state"])
+    write_json(out / "json.mcap")
     write_ros1_mcap(out / "state_ros1.mcap", BAGS["sensor_state"])
     write_ros1(out / "telemetry.bag", BAGS["lists"])
 
