@@ -70,7 +70,7 @@ fn runs_are_robots_of_one_machine() {
         import.on_model
     );
     assert!(
-        draft_map(&file)
+        draft_map(&file, &[])
             .unwrap_err()
             .to_string()
             .contains("needs no map")

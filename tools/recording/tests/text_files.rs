@@ -23,7 +23,7 @@ fn import(name: &str, text: &str) -> Import {
         "{said}"
     );
     assert!(map.contains("--write-columns"), "{map}");
-    for map in [map, &draft_map(&file).unwrap()] {
+    for map in [map, &draft_map(&file, &[]).unwrap()] {
         let map = ColumnMap::parse(map, Path::new("map.toml")).unwrap();
         let again = read_mapped(&file, &Map::Columns(map)).unwrap();
         assert_eq!(

@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
+use slipstream_recording::recording::Wheels;
 use slipstream_recording::{draft_map, read};
 
 /// A log by the specification.
@@ -72,13 +73,48 @@ fn entries_are_topics() {
     let odometry = robot.odometry.as_ref().unwrap();
     assert_eq!(odometry.values.v_m_s, [0.25, 0.25]);
     assert_eq!(odometry.values.w_rad_s.as_ref().unwrap(), &[0.0, 1.0]);
-    let draft = draft_map(&file).unwrap();
+    let draft = draft_map(&file, &[]).unwrap();
     for line in [
         "# /drive/leftPosition: 2 messages, double",
         "# /console: 2 messages, string",
     ] {
         assert!(draft.contains(line), "{draft}");
     }
+}
+
+/// A number on each side is a wheel, as in any other bag.
+#[test]
+fn numbers_of_two_sides_are_wheels() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("drive.wpilog");
+    let mut log = Log::new();
+    log.start(1, "/Drive/LeftPositionRad", "double");
+    log.start(2, "/Drive/RightPositionRad", "double");
+    log.start(3, "/Odometry/Robot", "struct:Pose2d");
+    for row in 0..20_u8 {
+        let (t_us, angle_rad) = (5_000_000 + 20_000 * u32::from(row), 0.1 * f64::from(row));
+        log.numbers(1, t_us, &[angle_rad]);
+        log.numbers(2, t_us, &[2.0 * angle_rad]);
+        log.numbers(3, t_us, &[0.05 * angle_rad, 0.0, 0.5]);
+    }
+    std::fs::write(&file, log.0).unwrap();
+    let import = read(&file).unwrap();
+    let robot = &import.recording.robots[0];
+    let wheels = robot.wheels.as_ref().map(|wheels| &wheels.values);
+    let Some(Wheels::Angle {
+        right_rad,
+        left_rad,
+    }) = wheels
+    else {
+        unreachable!("angles: {:?}", import.guesses);
+    };
+    assert!((right_rad[5] - 1.0).abs() < 1e-12 && (left_rad[5] - 0.5).abs() < 1e-12);
+    // What the robot reckons from its wheels is no reference.
+    assert!(
+        robot.pose.is_none() && robot.odometry.is_some(),
+        "{:?}",
+        import.guesses
+    );
 }
 
 #[test]

@@ -5,7 +5,7 @@ use crate::recording::is_robot_name;
 use crate::sides::{side_of, words_of};
 
 /// First parts of a topic that name a sensor or driver, not a robot.
-const NOT_ROBOTS: [&str; 13] = [
+const NOT_ROBOTS: [&str; 18] = [
     "imu",
     "odom",
     "odometry",
@@ -19,6 +19,11 @@ const NOT_ROBOTS: [&str; 13] = [
     "diff_drive_controller",
     "platform",
     "ground_truth",
+    "drive",
+    "drivetrain",
+    "smartdashboard",
+    "realoutputs",
+    "robotcontainer",
 ];
 
 /// Words in topics and frames of references outside of the robot.
@@ -96,7 +101,9 @@ pub(super) fn robot_of_topic(topic: &str) -> String {
     let mut parts = topic.split('/').filter(|part| !part.is_empty());
     match (parts.next(), parts.next()) {
         (Some(robot), Some(_))
-            if !NOT_ROBOTS.contains(&robot) && !is_of_wheel(robot) && is_robot_name(robot) =>
+            if !NOT_ROBOTS.contains(&robot.to_lowercase().as_str())
+                && !is_of_wheel(robot)
+                && is_robot_name(robot) =>
         {
             robot.to_owned()
         }
@@ -117,6 +124,7 @@ mod tests {
             ("/wheel/left/ticks", "robot", "/wheel/left/ticks"),
             ("/right/ticks", "robot", "/right/ticks"),
             ("/robot/ticks", "robot", "/ticks"),
+            ("/Drive/LeftPositionRad", "robot", "/Drive/LeftPositionRad"),
         ];
         for (topic, robot, inner) in cases {
             assert_eq!(

@@ -86,20 +86,19 @@ fn candidate(topic: &Topic, wheels: Option<joints::Wheels>) -> Option<Candidate>
             rank = u32::from(!contains(&MIXED));
             StreamKind::Odometry
         }
-        "PoseStamped" | "PoseWithCovarianceStamped"
+        "PoseStamped" | "PoseWithCovarianceStamped" | "struct:Pose2d"
             if name.contains("odom") && !is_reference(topic) =>
         {
             rank = 0;
             StreamKind::Odometry
         }
-        "PoseStamped" | "PoseWithCovarianceStamped" | "TransformStamped" | "PointStamped"
+        "PoseStamped"
+        | "PoseWithCovarianceStamped"
+        | "TransformStamped"
+        | "PointStamped"
+        | "struct:Pose2d"
             if !contains(&MIXED) && !is_told(&name) =>
         {
-            rank = pose_rank(topic);
-            StreamKind::Pose
-        }
-        // An odometry's pose is no measurement.
-        "struct:Pose2d" if !contains(&NOT_MEASURED) && !contains(&["odom"]) => {
             rank = pose_rank(topic);
             StreamKind::Pose
         }

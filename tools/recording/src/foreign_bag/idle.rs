@@ -34,7 +34,10 @@ pub(super) fn idle_twists(streams: &mut [Reading], topics: &[Topic]) -> Vec<Stri
 fn of_poses(streams: &mut [Reading], topics: &[Topic]) -> Vec<String> {
     let has_pose_alone = |name: &String| {
         let topic = topics.iter().find(|topic| topic.channel.topic == *name);
-        topic.is_some_and(|topic| topic.type_name().starts_with("Pose"))
+        topic.is_some_and(|topic| {
+            let name = topic.type_name().trim_start_matches("struct:");
+            name.starts_with("Pose")
+        })
     };
     let odometries = streams
         .iter_mut()

@@ -184,7 +184,9 @@ impl Source {
                 | "TwistWithCovarianceStamped"
                 | "Odometry"
                 | "PoseStamped"
-                | "PoseWithCovarianceStamped",
+                | "PoseWithCovarianceStamped"
+                | "struct:ChassisSpeeds"
+                | "struct:Pose2d",
             ) => Some(TWIST),
             (
                 StreamKind::Pose,
