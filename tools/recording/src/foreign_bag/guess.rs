@@ -120,6 +120,7 @@ fn candidate(topic: &Topic, wheels: Option<joints::Wheels>) -> Option<Candidate>
             rank = match () {
                 // Some publishers fill in zeros for what nothing measures.
                 () if !turn(topic, &selector) => 0,
+                () if kind == StreamKind::Command => 1,
                 () if wheels.are_named => 8,
                 () => 7,
             };

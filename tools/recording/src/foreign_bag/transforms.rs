@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use super::candidate::{Candidate, is_of_reference, robot_of_topic};
 use super::chain::links;
+use super::frames::is_base;
 use super::source::Source;
 use super::survey::{Seen, Topic};
 use crate::decode::MessageSelector;
@@ -68,10 +69,6 @@ fn carried(topic: &Topic, topics: &[Topic]) -> Carried {
 
 /// The base of the robot, if `frame` is a marker or sensor that is fixed to it; else `frame`.
 fn base_of<'a>(frame: &'a str, carried: &'a Carried) -> &'a str {
-    let is_base = |frame: &str| {
-        let name = frame.rsplit('/').next().unwrap_or_default();
-        name == "base_link" || name == "base_footprint"
-    };
     let mut reached = BTreeSet::from([frame]);
     let mut waiting = VecDeque::from([frame]);
     while let Some(here) = waiting.pop_front() {

@@ -52,6 +52,9 @@ pub(super) enum Count {
     Any,
 }
 
+/// Longer names (bytes) are none of a field.
+const MOST_NAME_BYTES: usize = 256;
+
 /// One type of a definition, with the text of its fields.
 struct Section<'a> {
     /// Package and type, such as `std_msgs/Header`.
@@ -147,13 +150,16 @@ fn field(line: &str) -> Option<(&str, &str)> {
     (!is_constant && !name.is_empty()).then_some((of, name))
 }
 
-/// The field of a type as it is written, such as `float64[9]`. `None` if the type is not known.
+/// The field of a type as it is written, such as `float64[9]`. `None` if the type is not known, or the name too long.
 fn typed(
     of: &str,
     name: &str,
     section: &Section<'_>,
     indices: &BTreeMap<&str, usize>,
 ) -> Option<Field> {
+    if name.len() > MOST_NAME_BYTES {
+        return None;
+    }
     let (of, count) = match of.split_once('[') {
         None => (of, Count::One),
         Some((of, count)) => {

@@ -56,20 +56,25 @@ impl Layout {
 
     /// The paths of all fields with numbers; of lists, that of the list. At most a thousand.
     pub(crate) fn number_paths(&self) -> Vec<String> {
-        let mut paths = Vec::new();
+        let mut paths = Paths {
+            found: Vec::new(),
+            steps_left: MOST_STEPS,
+        };
         self.add_paths(0, 0, "", &mut paths);
-        paths
+        paths.found
     }
 
-    fn add_paths(&self, index: usize, depth: usize, before: &str, paths: &mut Vec<String>) {
+    fn add_paths(&self, index: usize, depth: usize, before: &str, paths: &mut Paths) {
         const MOST_PATHS: usize = 1000;
         for field in self.types.get(index).into_iter().flatten() {
-            if depth > MOST_DEPTH || paths.len() >= MOST_PATHS {
+            let is_full = paths.found.len() >= MOST_PATHS || paths.steps_left == 0;
+            if depth > MOST_DEPTH || is_full {
                 return;
             }
+            paths.steps_left -= 1;
             let path = format!("{before}{}", field.name);
             match field.kind {
-                Kind::Whole { .. } | Kind::Real { .. } => paths.push(path),
+                Kind::Whole { .. } | Kind::Real { .. } => paths.found.push(path),
                 Kind::Message(inner) => {
                     self.add_paths(inner, depth + 1, &format!("{path}."), paths);
                 }
@@ -81,6 +86,13 @@ impl Layout {
 
 /// A message may have so many fields and elements, and two more for each of its bytes.
 const MOST_STEPS: usize = 10_000;
+
+/// The paths of fields being collected.
+struct Paths {
+    found: Vec<String>,
+    /// Types that contain others many times may have fields without end.
+    steps_left: usize,
+}
 
 /// A message being read, field by field. `None` means that it is not a message of its type.
 struct Walk<'a, 't> {
@@ -291,6 +303,20 @@ mod tests {
         for length in 0..whole.len() {
             assert!(told(Encoding::Cdr, &whole[..length]).is_err(), "{length}");
         }
+    }
+
+    #[test]
+    fn types_that_contain_each_other_many_times_end() {
+        let mut text = String::new();
+        for level in 0..16 {
+            for field in 0..16 {
+                text.push_str(&format!("a/T{level} f{field}\n"));
+            }
+            text.push_str(&format!("====\nMSG: a/T{level}\n"));
+        }
+        text.push_str("string end\n");
+        let layout = Layout::parse("a/msg/Base", &text).unwrap();
+        assert!(layout.number_paths().is_empty());
     }
 
     #[test]
