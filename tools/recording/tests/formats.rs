@@ -147,9 +147,9 @@ fn of_a_damaged_bag_everything_is_read_that_there_is() {
     let none = read(&out.join("no_values.mcap")).unwrap();
     assert!(only_robot(&none).wheels.is_none());
     assert!(
-        none.guesses.iter().any(|w| w.contains("neither angle")),
+        none.warnings.iter().any(|w| w.contains("neither angle")),
         "{:?}",
-        none.guesses
+        none.warnings
     );
     let two = check(&read(&out.join("two_robots.mcap")).unwrap().recording, None);
     assert!(

@@ -7,12 +7,13 @@ mod python;
 
 use slipstream_recording::{describe_robot, read};
 
-/// The lines of the guessed map of a bag, and what else was guessed.
+/// The lines of the guessed map of a bag, and what else was said.
 fn guessed(path: &std::path::Path) -> (Vec<String>, Vec<String>) {
     let import = read(path).unwrap();
     let (maps, others): (Vec<String>, _) = import
         .guesses
         .into_iter()
+        .chain(import.warnings)
         .partition(|note| note.contains("guessed topics"));
     let lines = maps[0].lines().skip(3).map(str::to_owned);
     (lines.collect(), others)

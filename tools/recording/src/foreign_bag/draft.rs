@@ -17,11 +17,15 @@ use crate::error::Result;
 /// If it is not a bag, or cannot be read.
 pub(crate) fn draft_topics(bag: &dyn Bag, wheels: &WheelNames<'_>) -> Result<String> {
     let (topics, _) = survey(bag, &[])?;
-    let Guess { map, notes } = guess(&topics, &wheels.all(&descriptions(&topics)));
+    let Guess {
+        map,
+        left_out,
+        notes,
+    } = guess(&topics, &wheels.all(&descriptions(&topics)));
     let mut text = String::from(
         "# Which topic is which stream of which robot, as guessed. Correct it, then give it with --topics.\n",
     );
-    for note in notes {
+    for note in left_out.into_iter().chain(notes) {
         let _ = writeln!(text, "# {note}");
     }
     for source in &map.sources {

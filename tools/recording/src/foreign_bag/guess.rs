@@ -14,27 +14,30 @@ use crate::table::StreamKind;
 /// Words in topics of estimates that mix sensors, the wheels among them.
 const MIXED: [&str; 4] = ["ekf", "ukf", "filtered", "combined"];
 
-/// The guess of a map, and what a person should know about it, one entry each.
+/// The guess of a map.
 pub(super) struct Guess {
     pub(super) map: TopicMap,
+    /// What it left out although it is likely a stream of a robot, one entry each.
+    pub(super) left_out: Vec<String>,
+    /// What else a person should know about it, one entry each.
     pub(super) notes: Vec<String>,
 }
 
 /// The most likely stream of each topic. Of several topics for one stream, the one of highest rank, then the one with
 /// most messages. `known` are wheels that descriptions of robots name.
 pub(super) fn guess(topics: &[Topic], known: &[WheelJoints]) -> Guess {
-    let mut notes = Vec::new();
+    let mut left_out = Vec::new();
     let mut candidates = Vec::new();
     let frames = Frames::of(topics);
     for topic in topics {
         let wheels = joints::wheels(&topic.joints, known, &frames);
-        notes.extend(without_values(topic, wheels.as_ref()));
+        left_out.extend(without_values(topic, wheels.as_ref()));
         candidates.extend(candidate(topic, wheels));
         candidates.extend(transforms::poses(topic, topics));
     }
     candidates.extend(pairs::wheels(topics));
     candidates.extend(rolling::wheels(&frames));
-    give_to_robots(&mut candidates, &mut notes);
+    give_to_robots(&mut candidates, &mut left_out);
     let possible: Vec<Source> = candidates.iter().map(|own| own.source.clone()).collect();
     let mut best: Vec<Candidate> = Vec::new();
     for new in candidates {
@@ -48,16 +51,17 @@ pub(super) fn guess(topics: &[Topic], known: &[WheelJoints]) -> Guess {
         }
     }
     best.sort_by(|a, b| (&a.source.robot, a.source.kind).cmp(&(&b.source.robot, b.source.kind)));
-    for candidate in &best {
-        notes.extend(several_wheels(&candidate.source));
-    }
+    let several = best.iter().filter_map(|own| several_wheels(&own.source));
+    let mut notes: Vec<String> = several.collect();
     let sources: Vec<Source> = best.into_iter().map(|candidate| candidate.source).collect();
+    left_out.extend(unused::joints_without_sides(topics, &possible, &sources));
     notes.extend(unused::notes(topics, &possible, &sources));
     Guess {
         map: TopicMap {
             sources,
             ..TopicMap::default()
         },
+        left_out,
         notes,
     }
 }

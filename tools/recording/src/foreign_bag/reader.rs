@@ -47,6 +47,7 @@ pub(crate) fn read_foreign(
             let text = guess.map.to_text();
             guesses.push(format!("{}: guessed topics:\n{text}", path.display()));
             guesses.extend(guess.notes);
+            warnings.extend(guess.left_out);
             guessed = guess.map;
             &guessed
         }

@@ -23,19 +23,10 @@ pub(super) fn notes(topics: &[Topic], possible: &[Source], used: &[Source]) -> V
         .filter(|own| !used.contains(own))
         .map(|own| of_source(own, topics, used))
         .collect();
-    let has_wheels = used.iter().any(|own| own.kind == StreamKind::Wheels);
-    let is_possible = |topic: &&Topic| {
-        let name = topic.channel.topic.as_str();
-        possible.iter().any(|own| own.topics().contains(&name))
-    };
     notes.extend(undefined(topics));
     notes.extend(in_other_encodings(topics));
-    for topic in topics.iter().filter(|topic| !is_possible(topic)) {
-        match joints::without_sides(topic).filter(|_| !has_wheels) {
-            Some(note) => notes.push(note),
-            None => unused.extend(of_topic(topic, used)),
-        }
-    }
+    let others = impossible(topics, possible);
+    unused.extend(others.filter_map(|topic| of_topic(topic, used)));
     unused.sort();
     if let Some(listed) = list(unused) {
         notes.push(format!(
@@ -43,6 +34,27 @@ pub(super) fn notes(topics: &[Topic], possible: &[Source], used: &[Source]) -> V
         ));
     }
     notes
+}
+
+/// What to say of joints that may be the wheels, where no other wheels are used; one entry each.
+pub(super) fn joints_without_sides(
+    topics: &[Topic],
+    possible: &[Source],
+    used: &[Source],
+) -> Vec<String> {
+    if used.iter().any(|own| own.kind == StreamKind::Wheels) {
+        return Vec::new();
+    }
+    let others = impossible(topics, possible);
+    others.filter_map(joints::without_sides).collect()
+}
+
+/// The topics that the guess could not choose.
+fn impossible<'a>(topics: &'a [Topic], possible: &[Source]) -> impl Iterator<Item = &'a Topic> {
+    topics.iter().filter(|topic| {
+        let name = topic.channel.topic.as_str();
+        !possible.iter().any(|own| own.topics().contains(&name))
+    })
 }
 
 /// A source that was not chosen.
@@ -69,7 +81,7 @@ fn of_source(source: &Source, topics: &[Topic], used: &[Source]) -> String {
 
 /// A topic that might have a stream, though no guess is sure which; `None` for what is no source.
 fn of_topic(topic: &Topic, used: &[Source]) -> Option<String> {
-    let kind = match by_type(topic) {
+    let kind = match by_type(topic, used) {
         Some(kind) => Some(kind),
         None => by_numbers(topic)?,
     };
@@ -79,7 +91,9 @@ fn of_topic(topic: &Topic, used: &[Source]) -> Option<String> {
 }
 
 /// The stream that messages of a type can give.
-fn by_type(topic: &Topic) -> Option<StreamKind> {
+fn by_type(topic: &Topic, used: &[Source]) -> Option<StreamKind> {
+    // Without other wheels, more is said of these.
+    let has_other_wheels = used.iter().any(|own| own.kind == StreamKind::Wheels);
     let is_told = is_told(&topic.channel.topic.to_lowercase());
     Some(match topic.type_name() {
         "Twist" => StreamKind::Command,
@@ -93,7 +107,9 @@ fn by_type(topic: &Topic) -> Option<StreamKind> {
         {
             StreamKind::Pose
         }
-        "JointState" if !joints::turning(topic).is_empty() => StreamKind::Wheels,
+        "JointState" if has_other_wheels && !joints::turning(topic).is_empty() => {
+            StreamKind::Wheels
+        }
         of if of.starts_with("AckermannDrive") => StreamKind::Command,
         _ => return None,
     })
@@ -118,7 +134,9 @@ fn by_numbers(topic: &Topic) -> Option<Option<StreamKind>> {
 fn undefined(topics: &[Topic]) -> Option<String> {
     let is_undefined = |topic: &&Topic| {
         let channel = &topic.channel;
+        // Entries of a data log say in their type what they are.
         may_have_numbers(channel)
+            && channel.encoding != "wpilog"
             && Encoding::of(&channel.encoding).is_some()
             && !channel.schema.starts_with("std_msgs/")
             && layout_of(channel).is_none()
