@@ -415,7 +415,14 @@ fn what_cannot_be_guessed_says_how_to_write_a_map() {
         assert!(!error.contains('\n'), "{error}");
         error
     };
-    for text in ["a,b\n1,2\n", "just words\n", "1 2 3\n4 5 6\n", "time,x\n"] {
+    for text in [
+        ",x,y,yaw\n0,1,2,3\n1,2,3,4\n",
+        "s,x,y,yaw\n0,1,2,3\n",
+        "a,b\n1,2\n",
+        "just words\n",
+        "1 2 3\n4 5 6\n",
+        "time,x\n",
+    ] {
         let error = error(text.as_bytes());
         assert!(error.contains("needs a map of its columns"), "{error}");
         assert!(error.contains("--write-columns"), "{error}");
