@@ -5,7 +5,7 @@ use std::path::Path;
 use slipstream_bus::InputError;
 
 use super::entry::FileFormat;
-use super::lines::{CellsOfLine, Lines, comment};
+use super::lines::{CellsOfLine, Lines, comment, text};
 use crate::git_lfs::refuse_pointer;
 
 /// So many rows tell the layout.
@@ -168,7 +168,7 @@ impl Beginning {
         let names = splits
             .into_iter()
             .map(|separator| cells(comment, separator));
-        let text = String::from_utf8_lossy(comment);
+        let text = text(comment);
         let apart = text
             .split("  ")
             .map(str::trim)

@@ -1,5 +1,6 @@
 //! Guess of the streams in a text file from its names and first rows.
 
+mod called;
 mod columns;
 mod guessed;
 mod joints;
@@ -22,7 +23,7 @@ const MOST_ROBOTS: usize = 100;
 /// The streams that a file seems to have, at most one of a kind for each robot.
 pub(super) fn guess(sample: &Sample, file: &str) -> Vec<Guessed> {
     if sample.layout.names.is_empty() {
-        return rows::guess(sample);
+        return rows::guess(sample, file);
     }
     if sample.layout.names.len() > MOST_COLUMNS {
         return Vec::new();
