@@ -248,7 +248,7 @@ fn read_guessed(path: &Path) -> Result<Spooled> {
     }
     let mut spooled = read_columns(path, &draft.map).map_err(|error| match error {
         crate::Error::Input(error) => InputError {
-            remedy: format!("the columns were guessed: {CORRECTION}"),
+            remedy: format!("{}; the columns were guessed: {CORRECTION}", error.remedy),
             ..error
         }
         .into(),

@@ -71,6 +71,25 @@ fn near<const N: usize>(found: [f64; N], expected: [f64; N]) {
     );
 }
 
+#[test]
+fn names_in_latin_1_keep_their_units_and_zeros_at_the_end_are_a_cut_row() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("log.csv");
+    let mut text = b"Zeit;x [m];y [m];Winkel [\xb0]\n0;1;2;0\n1;3;4;180\n".to_vec();
+    text.extend([0; 500]);
+    std::fs::write(&file, text).unwrap();
+    let import = read(&file).unwrap();
+    near(last_pose(&import), [1.0, 3.0, 4.0, PI]);
+    assert!(
+        import
+            .warnings
+            .join("\n")
+            .contains("line 4, the last row, is cut"),
+        "{:?}",
+        import.warnings
+    );
+}
+
 /// A quaternion of a quarter turn to the left: z and w.
 const QUARTER: &str = "0.70710678 0.70710678";
 
@@ -240,6 +259,13 @@ fn messages_without_names_are_told_by_their_cells() {
     near(last_odometry(&odometry), [0.1, 1.0, 0.5]);
     let text = "10,0,map,1,2,0,0,0,0,1\n10,500000000,map,3,4,0,0,0,1,0\n";
     near(last_pose(&import("pose.csv", text)), [0.5, 3.0, 4.0, PI]);
+    let text = "10,0,base,1,0,0,0,0,0.5\n10,500000000,base,2,0,0,0,0,0.25\n";
+    near(
+        last_odometry(&import("base_twist.csv", text)),
+        [0.5, 2.0, 0.25],
+    );
+    let command = import("cmd_vel.csv", text);
+    assert!(robot(&command).command.is_some() && robot(&command).odometry.is_none());
     let text =
         "10,0,,left_wheel,right_wheel,1,2,3,4\n10,500000000,,left_wheel,right_wheel,5,6,7,8\n";
     let wheels = import("joints.csv", text);
@@ -415,16 +441,24 @@ fn what_cannot_be_guessed_says_how_to_write_a_map() {
         assert!(!error.contains('\n'), "{error}");
         error
     };
-    for text in ["a,b\n1,2\n", "just words\n", "1 2 3\n4 5 6\n", "time,x\n"] {
+    for text in [
+        ",x,y,yaw\n0,1,2,3\n1,2,3,4\n",
+        "s,x,y,yaw\n0,1,2,3\n",
+        "a,b\n1,2\n",
+        "just words\n",
+        "1 2 3\n4 5 6\n",
+        "time,x\n",
+    ] {
         let error = error(text.as_bytes());
         assert!(error.contains("needs a map of its columns"), "{error}");
         assert!(error.contains("--write-columns"), "{error}");
     }
     let damaged = error(b"t,x,y,yaw\n1,2,3,4\n2,oops,3,4\n");
     assert!(
-        damaged.contains("run.dat:3: column x has \"oops\"; the columns were guessed"),
+        damaged.contains("run.dat:3: column x has \"oops\"; give numbers"),
         "{damaged}"
     );
+    assert!(damaged.contains("the columns were guessed"), "{damaged}");
     assert!(error(b"\xff\xfet\0,\0x\0").contains("is text in UTF-16; save it as UTF-8"));
     assert!(error(&[7; 100]).contains("is not a bag of a known kind"));
     let long = error(&[b'1'; 2 << 20]);

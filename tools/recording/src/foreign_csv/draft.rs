@@ -53,7 +53,9 @@ impl Draft {
             let (old, new): (Vec<_>, Vec<_>) = all.partition(|own| known.contains(&key(own)));
             known.extend(new.iter().map(key));
             let format = format_of(&sample.layout);
-            let streams = new.into_iter().map(|own| stream(own, &name, format));
+            // The map of one file serves others of its kind.
+            let file = path.is_dir().then(|| name.clone().into_owned());
+            let streams = new.into_iter().map(|own| stream(own, file.clone(), format));
             files.push(File {
                 name: name.clone().into_owned(),
                 streams: streams.collect(),
@@ -207,7 +209,11 @@ fn columns_of(stream: &StreamEntry) -> Vec<&Column> {
     columns.into_iter().map(|entry| &entry.column).collect()
 }
 
-fn stream(guessed: Guessed, file: &str, format: FileFormat) -> (StreamEntry, Option<&'static str>) {
+fn stream(
+    guessed: Guessed,
+    file: Option<String>,
+    format: FileFormat,
+) -> (StreamEntry, Option<&'static str>) {
     let Guessed {
         robot,
         kind,
@@ -218,7 +224,7 @@ fn stream(guessed: Guessed, file: &str, format: FileFormat) -> (StreamEntry, Opt
     let stream = StreamEntry {
         robot: robot.unwrap_or_else(|| ROBOT.to_owned()),
         kind,
-        file: Some(file.to_owned()),
+        file,
         format,
         time,
         columns,

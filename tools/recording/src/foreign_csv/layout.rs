@@ -5,11 +5,13 @@ use std::path::Path;
 use slipstream_bus::InputError;
 
 use super::entry::FileFormat;
-use super::lines::{CellsOfLine, Lines, comment};
+use super::lines::{CellsOfLine, Lines, comment, text};
 use crate::git_lfs::refuse_pointer;
 
 /// So many rows tell the layout.
 const SAMPLE_ROWS: usize = 60;
+/// No row is added to a sample of so many bytes.
+const SAMPLE_BYTES: usize = 1 << 20;
 /// Separators, the first of several that fit alike is taken; a blank stands for a run of blanks and tabs.
 const SEPARATORS: [u8; 4] = [b'\t', b';', b',', b' '];
 
@@ -123,9 +125,11 @@ impl Beginning {
             comment: None,
             rows: Vec::new(),
         };
-        while beginning.rows.len() < SAMPLE_ROWS {
+        let mut bytes = 0;
+        while beginning.rows.len() < SAMPLE_ROWS && bytes < SAMPLE_BYTES {
             let Some(line) = lines.next()? else { break };
             refuse_pointer(line, path)?;
+            bytes += line.len();
             match comment(line) {
                 None => beginning.rows.push(line.to_vec()),
                 Some(text) if beginning.rows.is_empty() => beginning.comment = Some(text.to_vec()),
@@ -138,10 +142,14 @@ impl Beginning {
     /// The separator by which most rows have the same number of cells, more than one.
     fn separator(&self) -> u8 {
         let agreeing = |separator: u8| {
-            let counts = self.rows.iter().map(|line| cells(line, separator).len());
-            let counts = counts.filter(|count| *count > 1);
-            let best = most_frequent(counts.clone());
-            counts.filter(|count| Some(*count) == best).count()
+            let mut cells = CellsOfLine::default();
+            let counts = self.rows.iter().map(|line| {
+                cells.split(line, separator);
+                cells.len()
+            });
+            let counts: Vec<usize> = counts.filter(|count| *count > 1).collect();
+            let best = most_frequent(counts.iter().copied());
+            counts.iter().filter(|count| Some(**count) == best).count()
         };
         // Of equal ones, the last is the maximum.
         let separators = SEPARATORS.into_iter().rev();
@@ -160,7 +168,7 @@ impl Beginning {
         let names = splits
             .into_iter()
             .map(|separator| cells(comment, separator));
-        let text = String::from_utf8_lossy(comment);
+        let text = text(comment);
         let apart = text
             .split("  ")
             .map(str::trim)

@@ -142,10 +142,14 @@ impl CellsOfLine {
     /// All cells as text.
     pub(super) fn texts(&self) -> Vec<String> {
         let cells = (0..self.len()).filter_map(|index| self.get(index));
-        cells
-            .map(|cell| String::from_utf8_lossy(cell).into_owned())
-            .collect()
+        cells.map(text).collect()
     }
+}
+
+/// Text in UTF-8, or else in Latin-1, as older programs write `°`.
+pub(super) fn text(bytes: &[u8]) -> String {
+    let latin = || bytes.iter().map(|byte| char::from(*byte)).collect();
+    std::str::from_utf8(bytes).map_or_else(|_| latin(), str::to_owned)
 }
 
 #[cfg(test)]

@@ -19,6 +19,9 @@ pub(crate) fn is_text(path: &Path) -> Result<bool, InputError> {
     let mut head = Vec::new();
     let mut file = file.take(HEAD_BYTES);
     file.read_to_end(&mut head).map_err(unreadable)?;
+    // A logger that lost its power leaves zeros at the end.
+    let written = head.iter().rposition(|byte| *byte != 0);
+    head.truncate(written.map_or(0, |last| last + 1));
     if head.starts_with(b"\xff\xfe") || head.starts_with(b"\xfe\xff") {
         let problem = "is text in UTF-16";
         return Err(InputError::file(path, problem, "save it as UTF-8"));

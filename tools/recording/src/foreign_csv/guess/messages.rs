@@ -1,6 +1,7 @@
 //! Columns that are fields of ROS messages, as `rostopic echo -p`, bagpy, PlotJuggler and others name them:
 //! `field.pose.pose.position.x`, `pose.pose.position.x`, `/odom/pose/pose/position/x`.
 
+use super::called::{COMMANDS, REFERENCES};
 use super::columns::Columns;
 use super::guessed::{Guessed, OF_ODOMETRY};
 use super::joints;
@@ -9,27 +10,8 @@ use super::units::words;
 use crate::foreign_csv::entry::{ColumnEntry, Source, TimeEntry};
 use crate::table::StreamKind;
 
-/// Words in names of commands.
-const COMMANDS: [&str; 6] = [
-    "cmd",
-    "command",
-    "target",
-    "desired",
-    "setpoint",
-    "reference",
-];
 /// Words in names of poses that nobody measured.
 const NOT_MEASURED: [&str; 4] = ["goal", "target", "waypoint", "initialpose"];
-/// Words in names of poses that a sensor outside of the robot measured.
-const REFERENCES: [&str; 7] = [
-    "truth",
-    "groundtruth",
-    "gt",
-    "vicon",
-    "optitrack",
-    "mocap",
-    "qualisys",
-];
 /// Words between the name of a message and its fields.
 const NESTED: [&str; 3] = ["pose", "twist", "transform"];
 

@@ -1,5 +1,6 @@
 //! Guess of the streams in a text file from its names and first rows.
 
+mod called;
 mod columns;
 mod guessed;
 mod joints;
@@ -15,13 +16,23 @@ pub(super) use guessed::Guessed;
 
 use super::layout::Sample;
 
+/// Files with more columns or robots are not guessed: time grows with their products.
+const MOST_COLUMNS: usize = 4096;
+const MOST_ROBOTS: usize = 100;
+
 /// The streams that a file seems to have, at most one of a kind for each robot.
 pub(super) fn guess(sample: &Sample, file: &str) -> Vec<Guessed> {
     if sample.layout.names.is_empty() {
-        return rows::guess(sample);
+        return rows::guess(sample, file);
+    }
+    if sample.layout.names.len() > MOST_COLUMNS {
+        return Vec::new();
     }
     let columns = Columns::of(sample);
     let robots = columns.robots();
+    if robots.len() > MOST_ROBOTS {
+        return Vec::new();
+    }
     if robots.is_empty() {
         return guess_robot(&columns, file);
     }

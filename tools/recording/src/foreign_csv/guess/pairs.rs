@@ -1,5 +1,6 @@
 //! Columns that people named by hand for the two sides: `enc_left`, `wheelSpeedR`, `u_l [V]`.
 
+use super::called::COMMANDS;
 use super::columns::Columns;
 use super::guessed::{Guessed, ONE_OF_SEVERAL};
 use super::units::{Dimension, unit_after};
@@ -17,18 +18,6 @@ struct Quantity {
     is_command: Option<bool>,
 }
 
-/// Words of commands.
-const COMMANDS: [&str; 9] = [
-    "cmd",
-    "command",
-    "commanded",
-    "ref",
-    "reference",
-    "des",
-    "desired",
-    "target",
-    "setpoint",
-];
 /// Words that say nothing of the quantity.
 const FILLERS: [&str; 10] = [
     "wheel", "wheels", "motor", "drive", "measured", "actual", "raw", "count", "odom", "state",

@@ -1,8 +1,10 @@
 //! Files without names of columns, told by what their rows have: trajectories of TUM and KITTI, and what
 //! `ros2 topic echo --csv` writes.
 
+use super::called::{COMMANDS, REFERENCES};
 use super::guessed::{Guessed, OF_ODOMETRY};
 use super::times;
+use super::units::words;
 use crate::foreign_csv::entry::{Column, ColumnEntry, Source, TimeEntry};
 use crate::foreign_csv::layout::Sample;
 use crate::sides::{Side, side_of};
@@ -12,8 +14,8 @@ use crate::table::StreamKind;
 const KITTI_PERIOD_S: f64 = 0.1;
 const OF_KITTI: &str = "poses of a camera (z forwards, x to the right) without times: correct period_s, the time from row to row";
 
-/// The streams that the rows suggest.
-pub(super) fn guess(sample: &Sample) -> Vec<Guessed> {
+/// The streams that the rows suggest. `file` is the file's name, which may tell what they are.
+pub(super) fn guess(sample: &Sample, file: &str) -> Vec<Guessed> {
     let Some(row) = sample.rows.first() else {
         return Vec::new();
     };
@@ -29,7 +31,7 @@ pub(super) fn guess(sample: &Sample) -> Vec<Guessed> {
             vec![rows.pose(TimeEntry::Column(time), 2, 5)]
         }
         numbers if is_transform(numbers) => vec![rows.kitti()],
-        [Some(s), Some(ns), None, ..] if is_stamp(*s, *ns) => rows.message(row.len()),
+        [Some(s), Some(ns), None, ..] if is_stamp(*s, *ns) => rows.message(row.len(), &words(file)),
         _ => Vec::new(),
     }
 }
@@ -83,12 +85,12 @@ impl Rows<'_> {
     }
 
     /// A speed along x and a rate about z, of vectors that begin at these columns.
-    fn twist(&self, time: TimeEntry, linear: usize, angular: usize) -> Guessed {
+    fn twist(&self, kind: StreamKind, time: TimeEntry, linear: usize, angular: usize) -> Guessed {
         let columns = vec![
             ("v_m_s", self.one(linear)),
             ("w_rad_s", self.one(angular + 2)),
         ];
-        Guessed::new(StreamKind::Odometry, time, columns)
+        Guessed::new(kind, time, columns)
     }
 
     fn kitti(&self) -> Guessed {
@@ -106,12 +108,14 @@ impl Rows<'_> {
     }
 
     /// A message with a header: seconds, nanoseconds, frame. The number of its cells tells its type.
-    fn message(&self, cells: usize) -> Vec<Guessed> {
+    fn message(&self, cells: usize, file: &[String]) -> Vec<Guessed> {
+        let is_called = |called: &[&str]| file.iter().any(|word| called.contains(&word.as_str()));
         let time = || TimeEntry::Parts([self.at(1), self.at(2)]);
         match (self.texts(), cells) {
             // Odometry: a frame more, pose, covariance, twist, covariance.
+            (1, 89) if is_called(&REFERENCES) => vec![self.pose(time(), 5, 8)],
             (1, 89) => vec![
-                self.twist(time(), 48, 51),
+                self.twist(StreamKind::Odometry, time(), 48, 51),
                 self.pose(time(), 5, 8).with_note(OF_ODOMETRY),
             ],
             // PoseStamped, and with a covariance.
@@ -119,7 +123,13 @@ impl Rows<'_> {
             // TransformStamped: a frame more.
             (1, 11) => vec![self.pose(time(), 5, 8)],
             // TwistStamped, and with a covariance.
-            (0, 9 | 45) => vec![self.twist(time(), 4, 7)],
+            (0, 9 | 45) => {
+                let kind = match is_called(&COMMANDS) {
+                    true => StreamKind::Command,
+                    false => StreamKind::Odometry,
+                };
+                vec![self.twist(kind, time(), 4, 7)]
+            }
             // Imu: orientation, rates, accelerations, each with a covariance.
             (0, 40) => {
                 let columns = vec![

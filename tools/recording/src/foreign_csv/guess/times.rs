@@ -24,7 +24,13 @@ pub(super) fn of_file(columns: &Columns<'_>) -> Option<TimeEntry> {
         return Some(parts);
     }
     let find = |wanted: &str| {
-        let unit = |name: &Vec<String>| unit_after(name, wanted, Dimension::Time);
+        let unit = |name: &Vec<String>| {
+            // A name without words is no time, and `s` alone may be a length of the way.
+            let is_name = !wanted.is_empty() || (!name.is_empty() && *name != ["s"]);
+            is_name
+                .then(|| unit_after(name, wanted, Dimension::Time))
+                .flatten()
+        };
         let mut units = columns.words.iter().map(unit).enumerate();
         units.find_map(|(index, unit)| column(columns, index, unit?))
     };

@@ -131,6 +131,10 @@ pub(super) fn words(name: &str) -> Vec<String> {
 /// the name is another one.
 pub(super) fn unit_after(name: &[String], wanted: &str, dimension: Dimension) -> Option<Unit> {
     let mut wanted: Vec<&str> = wanted.split(' ').filter(|word| !word.is_empty()).collect();
+    // A unit has at most three words.
+    if !(wanted.len()..=wanted.len() + 3).contains(&name.len()) {
+        return None;
+    }
     wanted.sort_unstable();
     let is_wanted = |words: &[String]| {
         let mut words: Vec<&str> = words.iter().map(String::as_str).collect();
