@@ -102,6 +102,7 @@ fn trajectories_of_tum_have_any_ending_and_header() {
             header,
             "",
             "Written by me\n",
+            "# a drive of eight words in the lab\n",
             "# ground truth trajectory\n# file: 'a b'\n",
         ] {
             let import = import(name, &format!("{header}{rows}"));
@@ -330,8 +331,8 @@ fn names_by_hand_tell_sides_robots_and_references() {
     assert!(notes.contains("robot's own estimate"), "{notes}");
 
     // A pose that was measured outweighs the estimate, and each robot has its own columns.
-    let text = "time,r1_odom_x,r1_odom_y,r1_odom_yaw,r1_vicon_x,r1_vicon_y,r1_vicon_yaw,r2_v_cmd,r2_w_cmd\n\
-                0,0,0,0,5,6,0,1,2\n1,0,0,0,7,8,0,3,4\n";
+    let text = "time,r1_odom_x,r1_odom_y,r1_odom_yaw,r1_vicon_x,r1_vicon_y,r1_vicon_yaw,r2_v_cmd,r2_w_cmd,gyro_z\n\
+                0,0,0,0,5,6,0,1,2,9\n1,0,0,0,7,8,0,3,4,9\n";
     let file = import("two.csv", text);
     let r1 = file.recording.robot("r1").unwrap();
     assert_eq!(r1.pose.as_ref().unwrap().values.x_m, [5.0, 7.0]);
@@ -340,6 +341,8 @@ fn names_by_hand_tell_sides_robots_and_references() {
         matches!(&r2.command.as_ref().unwrap().values, Command::Twist { v_m_s, .. } if v_m_s == &[1.0, 3.0])
     );
     assert!(r1.command.is_none() && r2.pose.is_none());
+    // What names no robot is of none.
+    assert!(r1.imu.is_none() && r2.imu.is_none());
 
     let text =
         "__time,/tb3_0/odom/twist/twist/linear/x,/tb3_1/odom/twist/twist/linear/x\n0,1,2\n1,3,4\n";

@@ -1,6 +1,6 @@
 //! The columns of a file by the words of their names.
 
-use super::units::words;
+use super::units::{is_of_time, words};
 use crate::foreign_csv::entry::{Column, ColumnEntry};
 use crate::foreign_csv::layout::Sample;
 
@@ -53,12 +53,13 @@ impl<'a> Columns<'a> {
         robots
     }
 
-    /// The columns of one robot, without its name, and those that are of no robot.
-    pub(super) fn of_robot(&self, robot: &str) -> Self {
+    /// The columns of one robot, without its name, and those that are of no robot: of several robots, times alone.
+    pub(super) fn of_robot(&self, robot: &str, is_only: bool) -> Self {
         let words = self.words.iter().map(|name| match robot_of(name) {
             Some((own, rest)) if own == robot => rest.to_vec(),
             Some(_) => Vec::new(),
-            None => name.clone(),
+            None if is_only || is_of_time(name) => name.clone(),
+            None => Vec::new(),
         });
         Self {
             sample: self.sample,

@@ -28,6 +28,16 @@ pub(super) fn guess(sample: &Sample, file: &str) -> Vec<Guessed> {
     if sample.layout.names.len() > MOST_COLUMNS {
         return Vec::new();
     }
+    let guessed = by_names(sample, file);
+    // A comment of as many words as there are columns may be prose.
+    if guessed.is_empty() && sample.layout.rows_above == 0 {
+        return rows::guess(sample, file);
+    }
+    guessed
+}
+
+/// The streams that the names suggest.
+fn by_names(sample: &Sample, file: &str) -> Vec<Guessed> {
     let columns = Columns::of(sample);
     let robots = columns.robots();
     if robots.len() > MOST_ROBOTS {
@@ -37,7 +47,7 @@ pub(super) fn guess(sample: &Sample, file: &str) -> Vec<Guessed> {
         return guess_robot(&columns, file);
     }
     let of_robot = |robot: &String| {
-        let guessed = guess_robot(&columns.of_robot(robot), file).into_iter();
+        let guessed = guess_robot(&columns.of_robot(robot, robots.len() == 1), file).into_iter();
         let named = guessed.map(|own| Guessed {
             robot: Some(robot.clone()),
             ..own

@@ -127,6 +127,17 @@ pub(super) fn words(name: &str) -> Vec<String> {
         .collect()
 }
 
+/// Words of times besides units.
+const TIMES: [&str; 7] = ["t", "time", "timestamp", "stamp", "zeit", "datetime", "ts"];
+
+/// Whether a name has a word of time.
+pub(super) fn is_of_time(name: &[String]) -> bool {
+    let units = UNITS.iter().filter(|(_, of, _)| *of == Dimension::Time);
+    let units = units.map(|(unit, ..)| *unit);
+    let mut known = units.chain(TIMES);
+    known.any(|known| name.iter().any(|word| word == known))
+}
+
 /// The size of the unit that a name has after `wanted`, whose words may stand in any order: 1 without a unit. `None` if
 /// the name is another one.
 pub(super) fn unit_after(name: &[String], wanted: &str, dimension: Dimension) -> Option<Unit> {
