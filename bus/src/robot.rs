@@ -249,7 +249,7 @@ impl RobotModel {
             && !Encoder::COUNTS.contains(&counts)
         {
             let remedy = "give the counts per revolution of the wheel";
-            return invalid("encoder.counts_per_rev", &format!("is {counts}"), remedy);
+            return invalid("encoder.counts_per_rev", format!("is {counts}"), remedy);
         }
         Ok(())
     }

@@ -225,7 +225,7 @@ fn unusable_files_are_refused_in_one_line() {
         ("g.yaml", "a: [1\nb: 2\n", "g.yaml:"),
         (
             "h.yaml",
-            "a:\n  wheel_separation: 1\nb:\n  wheel_separation: 1\n",
+            "a:\n  wheel_separation: 1\nb:\n  wheel_separation: 2\n",
             "h.yaml:4: has several controllers",
         ),
         (

@@ -6,10 +6,10 @@ use std::path::Path;
 
 use slipstream_bus::InputError;
 
-use super::described::one_line;
 use super::drive::{Drive, Length};
 use super::measured_in::in_metres;
 use super::parameter_names::{INCH_M, Quantity, quantity_of};
+use super::words::one_line;
 
 /// What to give in place of a file without lengths.
 const REMEDY: &str = "give the file with the constants of the drive, a URDF or a robot.toml";

@@ -7,6 +7,7 @@ use slipstream_bus::{Body, EffectSpec, Encoder, InputError, Parameter, RobotMode
 use slipstream_sim::Robot;
 
 use super::drive::Drive;
+use super::words::one_line;
 use crate::toml_files::robot_toml;
 
 /// The kind of a file that describes a robot.
@@ -341,24 +342,10 @@ fn unit(key: &str) -> &'static str {
     own.map_or("1", |(_, unit)| unit)
 }
 
-/// The text without what would end a line or steer a terminal.
-pub(super) fn one_line(text: &str) -> String {
-    text.replace(
-        |c: char| c.is_control() || matches!(c, '\u{2028}' | '\u{2029}'),
-        " ",
-    )
-}
-
-/// A length in a sentence: to a tenth of a millimetre.
-pub(super) fn in_words(length_m: f64) -> String {
-    let rounded = (length_m * 1e4).round() / 1e4;
-    // No "-0".
-    format!("{} m", rounded + 0.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::robot_file::words::in_words;
 
     #[test]
     fn a_value_has_the_unit_of_its_key() {

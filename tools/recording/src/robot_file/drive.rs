@@ -2,7 +2,7 @@
 //!
 //! Parameters of controllers, plugins of simulators and constants of programs say the same in different words.
 
-use super::described::in_words;
+use super::words::in_words;
 
 /// Lengths that differ by less, relative to the larger, are the same: files round.
 const SAME: f64 = 0.005;

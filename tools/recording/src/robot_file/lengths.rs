@@ -61,6 +61,13 @@ pub(super) fn take(
         ),
         None => missing("half_track_m", controllers, &geometry.missing, described),
     }
+    if described
+        .missing
+        .iter()
+        .all(|own| own.key != "wheel_radius_m")
+    {
+        take_difference(multipliers, by, described);
+    }
     for note in contradictions.into_iter().chain(others) {
         described.note(note);
     }
@@ -82,6 +89,12 @@ fn take_radius(radius: &Length, multipliers: Multipliers, by: &str, described: &
         false => multiplied_by(radius, "the mean multiplier", by),
     };
     described.take_radius(radius.value_m * mean, from);
+}
+
+/// Takes the difference of the wheels' multipliers as an effect.
+fn take_difference(multipliers: Multipliers, by: &str, described: &mut Described) {
+    let mean = multipliers.mean_radius();
+    let [right, left] = multipliers.radii;
     if right == left {
         return;
     }

@@ -1,6 +1,7 @@
 //! A description as the text of a robot.toml.
 
-use super::described::{Described, Kind, Source, one_line};
+use super::described::{Described, Kind, Source};
+use super::words::one_line;
 use crate::toml_files::robot_toml;
 
 impl Described {

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use slipstream_bus::InputError;
 
-use crate::robot_file::described::one_line;
 use crate::robot_file::drive::{Drive, Length, Multipliers, Sort};
 use crate::robot_file::measured_in::in_metres;
 use crate::robot_file::parameter_names::{Quantity, names_joints, quantity_of};
+use crate::robot_file::words::one_line;
 use crate::sides::side_of;
 use crate::yaml::{Node, Value};
 

@@ -59,7 +59,7 @@ fn wheels_that_differ_are_an_effect() {
     );
     assert_eq!(model.effects, [scales]);
     assert!(own.notes[0].contains("differ"));
-    assert_eq!(own.taken[2].key, "effects.wheel_radius.left_scale");
+    assert_eq!(own.taken[3].key, "effects.wheel_radius.left_scale");
 }
 
 #[test]

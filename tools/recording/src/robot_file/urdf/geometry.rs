@@ -4,10 +4,10 @@ use super::candidates::Wheel;
 use super::frames::Frames;
 use super::parts::Parts;
 use super::wheels::Wheels;
-use crate::robot_file::described::{Described, Missing, in_words};
+use crate::robot_file::described::{Described, Missing};
 use crate::robot_file::drive::Length;
 use crate::robot_file::lengths::Geometry;
-use crate::robot_file::words::list;
+use crate::robot_file::words::{in_words, list};
 
 /// Lengths that differ by less are the same (m).
 const SAME_M: f64 = 1e-6;

@@ -12,8 +12,8 @@ use super::inertia::{self, Inertial, Mass, together};
 use super::parts::{Parts, origin};
 use super::transform::Transform;
 use super::wheels::Wheels;
-use crate::robot_file::described::{Described, Taken, in_words};
-use crate::robot_file::words::list;
+use crate::robot_file::described::{Described, Taken};
+use crate::robot_file::words::{in_words, list};
 
 /// A part below this share of the mass never spoils the others (1).
 const SMALL: f64 = 0.01;

@@ -1,8 +1,8 @@
 //! Wheels opposite of each other: of equal radius, at mirrored places.
 
 use super::candidates::Wheel;
-use crate::robot_file::described::{Described, in_words};
-use crate::robot_file::words::list;
+use crate::robot_file::described::Described;
+use crate::robot_file::words::{in_words, list};
 
 /// How far wheels of a pair may lie apart along the robot and in height, in radii or, without radii, in tracks (1).
 const APART: f64 = 0.5;

@@ -3,10 +3,10 @@
 use slipstream_bus::InputError;
 
 use super::parts::Parts;
-use crate::robot_file::described::one_line;
 use crate::robot_file::drive::{Drive, Length, Sort};
 use crate::robot_file::measured_in::in_metres;
 use crate::robot_file::parameter_names::{Quantity, names_joints, quantity_of};
+use crate::robot_file::words::one_line;
 use crate::robot_file::xml::Element;
 use crate::sides::side_of;
 

@@ -6,9 +6,9 @@ use super::candidates::{self, Candidates, Wheel};
 use super::frames::Frames;
 use super::pairs;
 use super::parts::Parts;
-use crate::robot_file::described::{Described, in_words, one_line};
+use crate::robot_file::described::Described;
 use crate::robot_file::drive::Drive;
-use crate::robot_file::words::list;
+use crate::robot_file::words::{in_words, list, one_line};
 use crate::sides::{Side, side_of};
 
 /// Most wheels of a robot: those of a heavy transporter.
