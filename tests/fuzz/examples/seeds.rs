@@ -263,10 +263,33 @@ fn robots() {
     for name in ["turtle", "terrain", "complete"] {
         let content = std::fs::read(folder.join(format!("{name}.urdf"))).unwrap();
         seed("urdf", name, &content);
+        let with_controller = [&content, &SEPARATOR[..], ROS_1.as_bytes()].concat();
+        seed("urdf_and_yaml", name, &with_controller);
     }
-    seed("controller_yaml", "ros_2", ROS_2.as_bytes());
-    seed("controller_yaml", "ros_1", ROS_1.as_bytes());
+    seed("urdf", "plugin", PLUGIN.as_bytes());
+    for (name, text) in [("ros_2", ROS_2), ("ros_1", ROS_1), ("node", NODE)] {
+        seed("controller_yaml", name, text.as_bytes());
+    }
+    seed("constants", "java", CONSTANTS.as_bytes());
 }
+
+/// A URDF with a drive plugin, steering and hardware.
+const PLUGIN: &str = "<robot name=\"r\"><link name=\"base\"/><link name=\"l\"/><link name=\"r\"/><link name=\"k\"/>\
+<joint name=\"left\" type=\"continuous\"><parent link=\"base\"/><child link=\"l\"/><origin xyz=\"0 .1 0\"/><axis xyz=\"0 1 0\"/></joint>\
+<joint name=\"right\" type=\"continuous\"><parent link=\"base\"/><child link=\"r\"/><origin xyz=\"0 -.1 0\"/><axis xyz=\"0 1 0\"/></joint>\
+<joint name=\"steer\" type=\"revolute\"><parent link=\"base\"/><child link=\"k\"/><axis xyz=\"0 0 1\"/><limit lower=\"-1\" upper=\"1\"/></joint>\
+<gazebo><plugin filename=\"libgazebo_ros_diff_drive.so\"><leftJoint>left</leftJoint><rightJoint>right</rightJoint>\
+<wheelSeparation>0.24</wheelSeparation><wheelDiameter>0.08</wheelDiameter></plugin></gazebo>\
+<ros2_control><hardware><param name=\"enc_counts_per_rev\">3436.5</param></hardware></ros2_control></robot>\n";
+
+/// Constants in Java, C and Python.
+const CONSTANTS: &str = "package frc.robot;\npublic static final double kTrackwidthMeters = Units.inchesToMeters(27) / 2 * 2; // m\n\
+#define WHEEL_DIAMETER 0.152 /* m */\nconstexpr units::meter_t kWheelRadius{7.62_cm};\nINCH = 0.0254\nTRACK_WIDTH = 20 * INCH # m\n\
+int COUNTS_PER_REV = 2280;\n";
+
+/// A node that reckons itself, in millimetres, and a controller of another type.
+const NODE: &str = "node:\n  ros__parameters:\n    wheels: {separation: 160, radius: 33}\n    wheel_left_joint_name: l\n    \
+type: mecanum_drive_controller/MecanumDriveController\n";
 
 /// Parameters of a controller of ROS 2, in a namespace.
 const ROS_2: &str = "controller_manager:\n  ros__parameters:\n    update_rate: 100\n    base:\n      type: diff_drive_controller/DiffDriveController\n\

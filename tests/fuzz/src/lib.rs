@@ -33,7 +33,7 @@ pub struct Target {
 }
 
 /// All targets.
-pub const TARGETS: [Target; 25] = [
+pub const TARGETS: [Target; 27] = [
     target("mcap", recordings::mcap),
     target("bag", recordings::bag),
     target("ros1_bag", recordings::bag),
@@ -48,6 +48,8 @@ pub const TARGETS: [Target; 25] = [
     target("robot_toml", toml_texts::robot_toml),
     target("urdf", robot_files::urdf),
     target("controller_yaml", robot_files::controller_yaml),
+    target("constants", robot_files::constants),
+    target("urdf_and_yaml", robot_files::urdf_and_yaml),
     target("robot_run", runs::robot_run),
     target("topic_map", toml_texts::topic_map),
     target("experiment_file", toml_texts::experiment_file),

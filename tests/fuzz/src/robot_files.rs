@@ -6,6 +6,7 @@ use slipstream_recording::robot_file::{self, Described};
 use slipstream_recording::robot_toml;
 
 use crate::one_line::assert_one_line;
+use crate::recordings::SEPARATOR;
 
 /// A URDF.
 pub(crate) fn urdf(bytes: &[u8]) {
@@ -15,6 +16,28 @@ pub(crate) fn urdf(bytes: &[u8]) {
 /// The parameters of a diff_drive_controller.
 pub(crate) fn controller_yaml(bytes: &[u8]) {
     read(bytes, Path::new("fuzz.yaml"));
+}
+
+/// Constants in the source of a program.
+pub(crate) fn constants(bytes: &[u8]) {
+    read(bytes, Path::new("fuzz.h"));
+}
+
+/// A URDF and the YAML of its controller: the URDF, [`SEPARATOR`], the YAML.
+pub(crate) fn urdf_and_yaml(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else {
+        return;
+    };
+    let separator = std::str::from_utf8(SEPARATOR).expect("a text");
+    let (urdf, yaml) = text.split_once(separator).unwrap_or((text, ""));
+    let files = [
+        (Path::new("fuzz.urdf"), urdf),
+        (Path::new("fuzz.yaml"), yaml),
+    ];
+    match robot_file::parse_all(&files) {
+        Ok(described) => check(&described),
+        Err(error) => assert_one_line(&error),
+    }
 }
 
 fn read(bytes: &[u8], path: &Path) {

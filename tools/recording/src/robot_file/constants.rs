@@ -6,9 +6,8 @@ use std::path::Path;
 
 use slipstream_bus::InputError;
 
-use super::drive::{Drive, Length};
-use super::measured_in::in_metres;
-use super::parameter_names::{INCH_M, Quantity, quantity_of};
+use super::drive::Drive;
+use super::parameter_names::{INCH_M, quantity_of};
 use super::words::one_line;
 
 /// What to give in place of a file without lengths.
@@ -30,11 +29,9 @@ const SUFFIXES: [(&str, f64); 5] = [
 /// # Errors
 /// If there is no track and no radius among them, or one in no known unit.
 pub(super) fn drive(text: &str, path: &Path) -> Result<Drive, InputError> {
-    let mut drive = Drive::named(one_line(
-        &path.file_name().unwrap_or_default().to_string_lossy(),
-    ));
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let mut drive = Drive::named(one_line(&name));
     let mut known: BTreeMap<&str, Value> = BTreeMap::new();
-    let mut wheelbase = None;
     for (place, line) in text.lines().enumerate() {
         let Some((name, expression)) = assignment(line) else {
             continue;
@@ -43,42 +40,18 @@ pub(super) fn drive(text: &str, path: &Path) -> Result<Drive, InputError> {
             continue;
         };
         known.insert(name, value);
-        let Some((quantity, unit_m)) = quantity_of(name) else {
+        // Of a template that is not filled in, all numbers are zero.
+        let Some((quantity, unit_m)) = quantity_of(name).filter(|_| value.number != 0.0) else {
             continue;
         };
-        if quantity == Quantity::CountsPerTurn {
-            drive
-                .counts_per_rev
-                .get_or_insert((value.number, name.to_owned()));
-            continue;
-        }
-        if value.number == 0.0 {
-            // A template that is not filled in.
-            continue;
-        }
         let unit_m = if value.is_metric { Some(1.0) } else { unit_m };
-        let length = in_metres(value.number, quantity, unit_m).map_err(|problem| {
+        let taken = drive.take(&one_line(name), (quantity, unit_m), value.number);
+        taken.map_err(|problem| {
             let problem = format!("{name} {problem}");
             InputError::file(path, problem, "give it in metres").at(place as u64 + 1)
         })?;
-        let length = Length::new(
-            length.value_m,
-            one_line(&format!("{name} of {}", drive.name)),
-        );
-        match quantity {
-            Quantity::Separation => drop(drive.separation.get_or_insert(length)),
-            Quantity::Wheelbase => drop(wheelbase.get_or_insert(length)),
-            Quantity::Diameter => drop(drive.radius.get_or_insert(length.times(0.5, "half of"))),
-            _ => drop(drive.radius.get_or_insert(length)),
-        }
     }
-    if let (None, Some(length)) = (&drive.separation, wheelbase) {
-        drive.notes.push(format!(
-            "{} counts as the distance between the left and right wheels",
-            length.from
-        ));
-        drive.separation = Some(length);
-    }
+    let drive = drive.complete();
     match drive.says_something() {
         true => Ok(drive),
         false => {

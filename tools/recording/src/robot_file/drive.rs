@@ -2,6 +2,8 @@
 //!
 //! Parameters of controllers, plugins of simulators and constants of programs say the same in different words.
 
+use super::measured_in::in_metres;
+use super::parameter_names::Quantity;
 use super::words::in_words;
 
 /// Lengths that differ by less, relative to the larger, are the same: files round.
@@ -164,6 +166,8 @@ pub(super) struct Drive {
     pub(super) counts_per_rev: Option<(f64, String)>,
     /// What was assumed.
     pub(super) notes: Vec<String>,
+    /// What is called a wheelbase: mostly a distance along the robot, else that of its wheels.
+    pub(super) wheelbase: Option<Length>,
 }
 
 impl Drive {
@@ -172,6 +176,51 @@ impl Drive {
             name: name.into(),
             ..Self::default()
         }
+    }
+
+    /// Takes a number that a file calls `key`, in the unit that the key names. The first of several counts.
+    ///
+    /// # Errors
+    /// What is wrong, if the number is in no known unit.
+    pub(super) fn take(
+        &mut self,
+        key: &str,
+        (quantity, unit_m): (Quantity, Option<f64>),
+        value: f64,
+    ) -> Result<(), String> {
+        let mut from = format!("{key} of {}", self.name);
+        if quantity == Quantity::CountsPerTurn {
+            self.counts_per_rev.get_or_insert((value, from));
+            return Ok(());
+        }
+        let own = in_metres(value, quantity, unit_m)?;
+        if own.is_from_mm {
+            self.notes.push(format!(
+                "{from} is {value}: it counts as millimetres, since no robot has it in metres"
+            ));
+            from.push_str(", in millimetres");
+        }
+        let length = Length::new(own.value_m, from);
+        let (place, length) = match quantity {
+            Quantity::Separation => (&mut self.separation, length),
+            Quantity::Wheelbase => (&mut self.wheelbase, length),
+            Quantity::Diameter => (&mut self.radius, length.times(0.5, "half of")),
+            _ => (&mut self.radius, length),
+        };
+        place.get_or_insert(length);
+        Ok(())
+    }
+
+    /// The drive when everything was taken: without another distance of its wheels, the wheelbase counts.
+    pub(super) fn complete(mut self) -> Self {
+        if let (None, Some(length)) = (&self.separation, self.wheelbase.take()) {
+            self.notes.push(format!(
+                "{} counts as the distance between the left and right wheels",
+                length.from
+            ));
+            self.separation = Some(length);
+        }
+        self
     }
 
     /// Half of the distance of its wheels.

@@ -4,8 +4,7 @@ use std::path::Path;
 
 use slipstream_bus::InputError;
 
-use crate::robot_file::drive::{Drive, Length, Multipliers, Sort};
-use crate::robot_file::measured_in::in_metres;
+use crate::robot_file::drive::{Drive, Multipliers, Sort};
 use crate::robot_file::parameter_names::{Quantity, names_joints, quantity_of};
 use crate::robot_file::words::one_line;
 use crate::sides::side_of;
@@ -81,58 +80,18 @@ impl Table<'_> {
             multipliers: self.multipliers()?,
             ..Drive::named(&self.name)
         };
-        let mut wheelbase = None;
         for (key, node) in self.parameters() {
-            let Some((quantity, unit_m)) = quantity_of(&key) else {
+            let Some(quantity) = quantity_of(&key) else {
                 self.take_joints(&key, node, &mut drive)?;
                 continue;
             };
-            let Some(value) = self.number(&key, node)? else {
-                continue;
-            };
-            if quantity == Quantity::CountsPerTurn {
-                drive.counts_per_rev = Some((value, format!("{key} of {}", self.name)));
-                continue;
+            if let Some(value) = self.number(&key, node)? {
+                let taken = drive.take(&key, quantity, value);
+                taken.map_err(|problem| self.error(&key, node, problem, "give it in metres"))?;
             }
-            let length = self.length(&key, node, (value, quantity, unit_m), &mut drive)?;
-            match quantity {
-                Quantity::Separation => drive.separation = drive.separation.or(Some(length)),
-                Quantity::Wheelbase => wheelbase = Some(length),
-                Quantity::Diameter => {
-                    drive.radius = drive.radius.or(Some(length.times(0.5, "half of")));
-                }
-                _ => drive.radius = Some(length),
-            }
-        }
-        if let (None, Some(length)) = (&drive.separation, wheelbase) {
-            drive.notes.push(format!(
-                "{} counts as the distance between the left and right wheels",
-                length.from
-            ));
-            drive.separation = Some(length);
         }
         self.count_wheels(&mut drive);
-        Ok(drive)
-    }
-
-    /// A length in metres.
-    fn length(
-        &self,
-        key: &str,
-        node: &Node,
-        (value, quantity, unit_m): (f64, Quantity, Option<f64>),
-        drive: &mut Drive,
-    ) -> Result<Length, InputError> {
-        let length = in_metres(value, quantity, unit_m)
-            .map_err(|problem| self.error(key, node, problem, "give it in metres"))?;
-        let mut from = format!("{key} of {}", self.name);
-        if length.is_from_mm {
-            drive.notes.push(format!(
-                "{from} is {value}: it counts as millimetres, since no robot has it in metres"
-            ));
-            from.push_str(", in millimetres");
-        }
-        Ok(Length::new(length.value_m, from))
+        Ok(drive.complete())
     }
 
     fn multipliers(&self) -> Result<Multipliers, InputError> {

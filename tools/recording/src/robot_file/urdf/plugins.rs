@@ -3,9 +3,8 @@
 use slipstream_bus::InputError;
 
 use super::parts::Parts;
-use crate::robot_file::drive::{Drive, Length, Sort};
-use crate::robot_file::measured_in::in_metres;
-use crate::robot_file::parameter_names::{Quantity, names_joints, quantity_of};
+use crate::robot_file::drive::{Drive, Sort};
+use crate::robot_file::parameter_names::{names_joints, quantity_of};
 use crate::robot_file::words::one_line;
 use crate::robot_file::xml::Element;
 use crate::sides::side_of;
@@ -94,23 +93,12 @@ fn with_parameters<'a>(
             .parse::<f64>()
             .ok()
             .filter(|number| number.is_finite());
-        let (Some((quantity, unit_m)), Some(number)) = (quantity_of(name), number) else {
-            continue;
-        };
-        let from = format!("{name} of {}", drive.name);
-        if quantity == Quantity::CountsPerTurn {
-            drive.counts_per_rev.get_or_insert((number, from));
-            continue;
-        }
-        let length = in_metres(number, quantity, unit_m)
-            .map_err(|problem| element.error(format!("{name} {problem}"), "give it in metres"))?;
-        let length = Length::new(length.value_m, from);
-        match quantity {
-            Quantity::Separation => drop(drive.separation.get_or_insert(length)),
-            Quantity::Diameter => drop(drive.radius.get_or_insert(length.times(0.5, "half of"))),
-            Quantity::Radius => drop(drive.radius.get_or_insert(length)),
-            _ => {}
+        if let (Some(quantity), Some(number)) = (quantity_of(name), number) {
+            let taken = drive.take(&one_line(name), quantity, number);
+            taken.map_err(|problem| {
+                element.error(format!("{name} {problem}"), "give it in metres")
+            })?;
         }
     }
-    Ok(drive)
+    Ok(drive.complete())
 }
