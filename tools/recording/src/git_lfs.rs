@@ -15,6 +15,6 @@ pub(crate) fn refuse_pointer(head: &[u8], path: &Path) -> Result<(), InputError>
     if !head.starts_with(BEGINNING) {
         return Ok(());
     }
-    let problem = "is a pointer of Git LFS, not the recording";
+    let problem = "is a pointer of Git LFS, not the file itself";
     Err(InputError::file(path, problem, "run `git lfs pull`"))
 }

@@ -477,7 +477,7 @@ fn pointers_of_git_lfs_are_named() {
     let says_so = |path: &Path| {
         let error = read(path).unwrap_err().to_string();
         assert!(
-            error.contains("is a pointer of Git LFS, not the recording; run `git lfs pull`"),
+            error.contains("is a pointer of Git LFS, not the file itself; run `git lfs pull`"),
             "{error}"
         );
     };

@@ -6,6 +6,7 @@ use std::path::Path;
 use slipstream_bus::InputError;
 
 use super::described::Kind;
+use crate::git_lfs::refuse_pointer;
 
 /// Largest file that is read (bytes). The largest robots have a few hundred kilobytes.
 const MAX_BYTES: u64 = 4 << 20;
@@ -20,6 +21,7 @@ pub(crate) fn read_text(path: &Path) -> Result<String, InputError> {
     let mut bytes = Vec::new();
     let read = file.take(MAX_BYTES + 1).read_to_end(&mut bytes);
     read.map_err(unreadable)?;
+    refuse_pointer(&bytes, path)?;
     if bytes.len() as u64 > MAX_BYTES {
         let problem = format!("has more than {MAX_BYTES} bytes, too many for a robot");
         let remedy = "give a robot.toml, a URDF or the YAML of a controller";
@@ -125,6 +127,8 @@ mod tests {
                 .problem
                 .starts_with("has more than")
         );
+        let pointer = error(b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n");
+        assert!(pointer.problem.starts_with("is a pointer of Git LFS"));
         let latin = error(b"<robot>\n<link name=\"r\xe4der\"/>");
         assert_eq!((latin.line, &*latin.problem), (Some(2), "is not UTF-8"));
     }
