@@ -44,7 +44,8 @@ impl Reading {
     ) -> Result<Spooled, Error> {
         let map = Map::read(self.topics.as_deref(), self.columns.as_deref())?;
         let spooled = slipstream_recording::read_spooled(path, &map, &models.wheel_joints())?;
-        if guesses == Guesses::Whole || prints().details {
+        let is_whole = guesses == Guesses::Whole || prints().details;
+        if is_whole {
             for guess in &spooled.guesses {
                 note_line!("{guess}");
             }
@@ -55,9 +56,7 @@ impl Reading {
             note_line!("{warning}");
         }
         if models.is_empty() {
-            for note in &spooled.on_model {
-                note_line!("{note}");
-            }
+            note_model(path, &spooled.on_model, is_whole);
         }
         models.note_poses(spooled.robots());
         Ok(spooled)
@@ -66,6 +65,21 @@ impl Reading {
     /// Reads a recording into memory, as [`Self::spool`].
     pub(crate) fn read(&self, path: &Path, models: &Models) -> Result<Import, Error> {
         Ok(self.spool(path, models, Guesses::Brief)?.load()?)
+    }
+}
+
+/// Prints what was taken of the model that came with a recording: all notes, or how many there are.
+fn note_model(path: &Path, notes: &[String], is_whole: bool) {
+    match notes {
+        [first, others @ ..] if !others.is_empty() && !is_whole => {
+            let (count, path) = (others.len(), path.display());
+            note_line!("{first}; notes: {count}, told by `slipstream robot {path}`");
+        }
+        notes => {
+            for note in notes {
+                note_line!("{note}");
+            }
+        }
     }
 }
 

@@ -12,7 +12,9 @@ class Failed(RuntimeError): ...
 class Recording:
     warnings: List[str]
     @staticmethod
-    def read(path: str, topics: Optional[str], columns: Optional[str]) -> Recording: ...
+    def read(
+        path: str, topics: Optional[str], columns: Optional[str], robots: Sequence[Sequence[str]]
+    ) -> Recording: ...
     @staticmethod
     def from_columns(
         name: str,

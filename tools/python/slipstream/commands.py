@@ -45,8 +45,8 @@ def diagnose(
     """
     sources, before = _sources(recording), _sources(against)
     inner = _slipstream.diagnose(
-        [_read(own, topics, columns)._inner for own in sources],
-        [_read(own, topics, columns)._inner for own in before],
+        [_read(own, topics, columns, robot)._inner for own in sources],
+        [_read(own, topics, columns, robot)._inner for own in before],
         _models(robot),
         list(without),
         [(float(a), float(b)) for a, b in exclude_time],
@@ -60,8 +60,10 @@ def _sources(given: Union[Source, Sequence[Source]]) -> List[Source]:
     return [given] if isinstance(given, (str, PathLike, Recording)) else list(given)
 
 
-def _read(source: Source, topics: Any, columns: Any) -> Recording:
-    return source if isinstance(source, Recording) else Recording.read(source, topics=topics, columns=columns)
+def _read(source: Source, topics: Any, columns: Any, robot: Any) -> Recording:
+    if isinstance(source, Recording):
+        return source
+    return Recording.read(source, topics=topics, columns=columns, robot=robot)
 
 
 def _models(robot: Optional[Union[Robot, Mapping[str, Robot]]]) -> List[Tuple[Optional[str], str]]:

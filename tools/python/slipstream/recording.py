@@ -37,10 +37,14 @@ class Recording:
         *,
         topics: "Optional[Union[str, PathLike[str]]]" = None,
         columns: "Optional[Union[str, PathLike[str]]]" = None,
+        robot: Optional[Union[Robot, Mapping[str, Robot]]] = None,
     ) -> "Recording":
-        """Reads a folder of CSV files or a bag (MCAP, SQLite, ROS 1); with a map of its topics or columns, if it needs one."""
+        """Reads a folder of CSV files or a bag (MCAP, SQLite, ROS 1); with a map of its topics or columns, if it needs one.
+
+        The files of a `robot` (a URDF, the YAML of a controller) tell which joints of a bag are its wheels.
+        """
         maps = [None if file is None else fspath(file) for file in (topics, columns)]
-        return cls(_slipstream.Recording.read(fspath(path), *maps))
+        return cls(_slipstream.Recording.read(fspath(path), *maps, _files(robot)))
 
     @classmethod
     def from_arrays(
@@ -143,6 +147,13 @@ def model_text(robot: Robot) -> str:
     if isinstance(robot, str) and "\n" in robot:
         return robot
     return _slipstream.model_text(paths(robot))
+
+
+def _files(robot: Optional[Union[Robot, Mapping[str, Robot]]]) -> List[List[str]]:
+    """The files of each robot; none of a robot that is given as tables or as the text of a robot.toml."""
+    each = robot.values() if isinstance(robot, Mapping) and "robot" not in robot else [robot]
+    is_text = [isinstance(own, str) and "\n" in own for own in each]
+    return [paths(own) for own, text in zip(each, is_text) if own is not None and not text and not isinstance(own, Mapping)]
 
 
 def paths(robot: Union[str, "PathLike[str]", Sequence[Union[str, "PathLike[str]"]]]) -> List[str]:

@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use slipstream_bus::{Encoder, InputError};
 use slipstream_recording::recording::{PosePoint, Recording as Inner, Robot, is_robot_name};
-use slipstream_recording::{Map, robot_file, robot_toml};
+use slipstream_recording::{Import, Map, describe_robot, read_spooled, robot_file, robot_toml};
 
 use crate::columns::{self, Columns};
 use crate::errors::{input, of_recording};
@@ -28,16 +28,26 @@ pub(crate) struct Recording {
 
 #[pymethods]
 impl Recording {
-    /// Reads a folder of CSV files or a bag; with the path of a map of topics or columns, where one is needed.
+    /// Reads a folder of CSV files or a bag; with the path of a map of topics or columns, where one is needed. `robots` are the
+    /// files of robots, whose wheel joints help the guess of a bag's topics.
     #[staticmethod]
     fn read(
         py: Python<'_>,
         path: PathBuf,
         topics: Option<PathBuf>,
         columns: Option<PathBuf>,
+        robots: Vec<Vec<PathBuf>>,
     ) -> PyResult<Self> {
-        let map = || Map::read(topics.as_deref(), columns.as_deref());
-        let read = py.detach(|| slipstream_recording::read_mapped(&path, &map()?));
+        let read = || -> slipstream_recording::Result<Import> {
+            let map = Map::read(topics.as_deref(), columns.as_deref())?;
+            let mut wheels = Vec::new();
+            for files in &robots {
+                let files: Vec<&Path> = files.iter().map(PathBuf::as_path).collect();
+                wheels.push(describe_robot(&files)?.wheel_joints);
+            }
+            read_spooled(&path, &map, &wheels)?.load()
+        };
+        let read = py.detach(read);
         let import = read.map_err(|error| of_recording(py, error))?;
         Ok(Self {
             inner: Arc::new(import.recording),
@@ -108,7 +118,7 @@ impl Recording {
 #[pyfunction]
 pub(crate) fn model_text(py: Python<'_>, paths: Vec<PathBuf>) -> PyResult<String> {
     let paths: Vec<&Path> = paths.iter().map(PathBuf::as_path).collect();
-    let model = py.detach(|| Ok(slipstream_recording::describe_robot(&paths)?.model()?));
+    let model = py.detach(|| Ok(describe_robot(&paths)?.model()?));
     let model = model.map_err(|error| of_recording(py, error))?;
     Ok(robot_toml::to_text(&model))
 }

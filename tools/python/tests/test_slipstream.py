@@ -53,6 +53,12 @@ def test_any_description_of_a_robot(tmp_path):
     urdf.write_text(f"<robot><link name='base_link'/>{links}{joints}</robot>")
     together = slipstream.Recording.from_arrays({"r1": driven()}, robot=[urdf, str(multipliers)]).model
     assert together == of[0]
+    # Reading a bag, the joints that a robot's files name tell its wheels.
+    folder = tmp_path / "recording"
+    slipstream.Recording.from_arrays({"r1": driven()}).write(folder)
+    assert slipstream.Recording.read(folder, robot=[urdf, str(multipliers)]).name == "recording"
+    with pytest.raises(slipstream.InputError, match="nowhere.urdf"):
+        slipstream.Recording.read(folder, robot="nowhere.urdf")
     urdf = tmp_path / "robot.urdf"
     urdf.write_text("<robot>\n<link/></robot>")
     with pytest.raises(slipstream.InputError, match="robot.urdf:2: <link> has no name; add"):
