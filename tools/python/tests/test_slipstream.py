@@ -56,7 +56,8 @@ def test_any_description_of_a_robot(tmp_path):
     # Reading a bag, the joints that a robot's files name tell its wheels.
     folder = tmp_path / "recording"
     slipstream.Recording.from_arrays({"r1": driven()}).write(folder)
-    assert slipstream.Recording.read(folder, robot=[urdf, str(multipliers)]).name == "recording"
+    read = [slipstream.Recording.read(folder, robot=own) for own in (None, [urdf, str(multipliers)], {"r1": urdf}, wheels)]
+    assert len({own.name for own in read}) == 1
     with pytest.raises(slipstream.InputError, match="nowhere.urdf"):
         slipstream.Recording.read(folder, robot="nowhere.urdf")
     urdf = tmp_path / "robot.urdf"

@@ -1,5 +1,7 @@
 //! What the names of parameters and constants mean: `wheel_separation`, `kTrackwidthMeters`, `wheels.radius`.
 
+use crate::sides::words_of;
+
 /// A quantity of a drive that a name tells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Quantity {
@@ -105,7 +107,7 @@ pub(super) const INCH_M: f64 = 0.0254;
 
 /// The quantity that a name tells, and the unit in which it ends (m).
 pub(super) fn quantity_of(name: &str) -> Option<(Quantity, Option<f64>)> {
-    let words = words(name);
+    let words = words_of(name);
     let mut words = words.as_slice();
     let mut unit_m = None;
     if let Some((last, before)) = words.split_last()
@@ -141,32 +143,12 @@ pub(super) fn names_joints(name: &str) -> bool {
         "left", "right", "wheel", "wheels", "joint", "joints", "name", "names", "front", "rear",
         "middle", "mid", "back", "frame", "command", "drive",
     ];
-    let words = words(name);
+    let words = words_of(name);
     let has = |some: &[&str]| words.iter().any(|word| some.contains(&word.as_str()));
     let sides = ["left", "right"].map(|side| has(&[side]));
     sides[0] != sides[1]
         && has(&["wheel", "wheels", "joint", "joints", "frame"])
         && words.iter().all(|word| ALLOWED.contains(&word.as_str()))
-}
-
-/// The words of a name in small letters: at capitals after small letters, and at what is no letter.
-fn words(name: &str) -> Vec<String> {
-    let mut words: Vec<String> = vec![String::new()];
-    let mut before = ' ';
-    for letter in name.chars() {
-        let begins = letter.is_uppercase() && !before.is_uppercase();
-        if begins || !letter.is_ascii_alphabetic() {
-            words.push(String::new());
-        }
-        if letter.is_ascii_alphabetic()
-            && let Some(last) = words.last_mut()
-        {
-            last.push(letter.to_ascii_lowercase());
-        }
-        before = letter;
-    }
-    words.retain(|word| !word.is_empty());
-    words
 }
 
 #[cfg(test)]
