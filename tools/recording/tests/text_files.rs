@@ -134,6 +134,34 @@ fn poses_of_kitti_are_those_of_a_camera() {
     );
 }
 
+/// A sequence of KITTI has the times of its poses in a file beside them.
+#[test]
+fn times_may_stand_in_a_file_beside_the_poses() {
+    let folder = tempfile::tempdir().unwrap();
+    let poses = "1 0 0 0 0 1 0 0 0 0 1 0\n0 0 -1 -1 0 1 0 0 1 0 0 2\n";
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    write("00.txt", poses);
+    write("times.txt", "0.000000e+00\n\n1.037302e-01\n");
+    for path in [folder.path().to_owned(), folder.path().join("00.txt")] {
+        let import = read(&path).unwrap();
+        near(last_pose(&import), [0.103_730_2, 2.0, 1.0, PI / 2.0]);
+        assert!(
+            import.guesses[0].contains("times = \"times.txt\""),
+            "{:?}",
+            import.guesses
+        );
+    }
+    write("times.txt", "0\nnone\n");
+    let error = read(folder.path()).unwrap_err().to_string();
+    assert!(
+        error.contains("times.txt:2: has \"none\" where a time stands"),
+        "{error}"
+    );
+    write("times.txt", "0\n");
+    let error = read(folder.path()).unwrap_err().to_string();
+    assert!(error.contains("00.txt:2: has no time"), "{error}");
+}
+
 #[test]
 fn columns_of_rostopic_echo_are_recognised() {
     let pose = "field.pose.pose.position.x,field.pose.pose.position.y,field.pose.pose.orientation.z,field.pose.pose.orientation.w";

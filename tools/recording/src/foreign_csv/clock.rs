@@ -5,6 +5,7 @@ use slipstream_bus::InputError;
 use super::entry::TimeEntry;
 use super::moment::{DAY_S, Moment, with_point};
 use super::table::{Cell, ForeignCsv};
+use super::times_file::TimesFile;
 
 /// Gives the time of each row, in the unit of the file.
 pub(super) struct Clock {
@@ -24,13 +25,14 @@ enum Source {
     },
     Parts([Cell; 2]),
     Period,
+    File(TimesFile),
 }
 
 /// What converts the unit of a file: (seconds, offset in seconds).
 pub(super) fn unit_of(time: &TimeEntry) -> (f64, f64) {
     match time {
         TimeEntry::Column(column) => (column.factor, column.offset),
-        TimeEntry::Parts(_) => (1.0, 0.0),
+        TimeEntry::Parts(_) | TimeEntry::File(_) => (1.0, 0.0),
         TimeEntry::Period(period_s) => (*period_s, 0.0),
     }
 }
@@ -48,6 +50,7 @@ impl Clock {
             },
             TimeEntry::Parts([s, ns]) => Source::Parts([csv.find(s)?, csv.find(ns)?]),
             TimeEntry::Period(_) => Source::Period,
+            TimeEntry::File(name) => Source::File(TimesFile::beside(csv.path, name)?),
         };
         Ok(Self {
             source,
@@ -64,30 +67,24 @@ impl Clock {
     pub(super) fn moment(&mut self, csv: &ForeignCsv<'_>) -> Result<Option<Moment>, InputError> {
         let row = self.rows;
         self.rows += 1;
-        match self.source {
-            Source::Period => Ok(Some(Moment {
-                whole: row,
-                rest: 0.0,
-            })),
-            Source::Parts([s, ns]) => {
-                let Some(text) = csv.text(s.index)? else {
-                    return Ok(None);
-                };
-                let moment = Moment::parse(text).ok_or_else(|| csv.not_a_number(s.index, text))?;
-                let ns = csv.number(ns)?;
-                let rest = moment.rest + ns * 1e-9;
-                Ok(ns.is_finite().then_some(Moment { rest, ..moment }))
+        let (cell, may_be_date) = match &mut self.source {
+            Source::File(times) => return times.next(),
+            Source::Period => {
+                return Ok(Some(Moment {
+                    whole: row,
+                    rest: 0.0,
+                }));
             }
-            Source::Column { cell, may_be_date } => {
-                let Some(text) = csv.text(cell.index)? else {
-                    return Ok(None);
-                };
-                let number = Moment::parse(text).or_else(|| Moment::parse(&with_point(text)));
-                let moment = number.or_else(|| may_be_date.then(|| self.date(text)).flatten());
-                let moment = moment.ok_or_else(|| csv.not_a_number(cell.index, text))?;
-                Ok(Some(moment))
-            }
-        }
+            Source::Parts([s, ns]) => return of_parts(csv, *s, *ns),
+            Source::Column { cell, may_be_date } => (*cell, *may_be_date),
+        };
+        let Some(text) = csv.text(cell.index)? else {
+            return Ok(None);
+        };
+        let number = Moment::parse(text).or_else(|| Moment::parse(&with_point(text)));
+        let moment = number.or_else(|| may_be_date.then(|| self.date(text)).flatten());
+        let moment = moment.ok_or_else(|| csv.not_a_number(cell.index, text))?;
+        Ok(Some(moment))
     }
 
     /// A date and time, or a time of day, in seconds. After midnight, times of day go on.
@@ -106,4 +103,15 @@ impl Clock {
             ..of_day
         })
     }
+}
+
+/// Seconds in one cell, nanoseconds in another one.
+fn of_parts(csv: &ForeignCsv<'_>, s: Cell, ns: Cell) -> Result<Option<Moment>, InputError> {
+    let Some(text) = csv.text(s.index)? else {
+        return Ok(None);
+    };
+    let moment = Moment::parse(text).ok_or_else(|| csv.not_a_number(s.index, text))?;
+    let ns = csv.number(ns)?;
+    let rest = moment.rest + ns * 1e-9;
+    Ok(ns.is_finite().then_some(Moment { rest, ..moment }))
 }

@@ -12,7 +12,7 @@
 //! separator = ";"                 # recognised, where it is not said; " " stands for runs of blanks
 //! header = false                  # likewise; then columns are numbers, from 1 on
 //! t_s = 1                         # numbers, or dates with times; t_ns has nanoseconds beside seconds; period_s = 0.1
-//! x_m = 2                         # stands for a column of times
+//! x_m = 2                         # stands for a column of times, times = "times.txt" for a file with one in each line
 //! y_m = 3
 //! yaw_rad = { column = 4, factor = 0.017453292519943295, offset = -1.5707963267948966 }
 //! ```

@@ -45,9 +45,12 @@ impl Draft {
     pub(crate) fn of(path: &Path) -> Result<Self> {
         let mut files = Vec::new();
         let mut known = Vec::new();
-        for file in csv_files(path)? {
-            let sample = Sample::read(&file, FileFormat::default())?;
-            let name = file.file_name().unwrap_or_default().to_string_lossy();
+        for at in csv_files(path)? {
+            if is_times(&at) {
+                continue;
+            }
+            let sample = Sample::read(&at, FileFormat::default())?;
+            let name = at.file_name().unwrap_or_default().to_string_lossy();
             let all = guess(&sample, &name).into_iter();
             let key = |own: &Guessed| (own.robot.clone(), own.kind);
             let (old, new): (Vec<_>, Vec<_>) = all.partition(|own| known.contains(&key(own)));
@@ -55,7 +58,9 @@ impl Draft {
             let format = format_of(&sample.layout);
             // The map of one file serves others of its kind.
             let file = path.is_dir().then(|| name.clone().into_owned());
-            let streams = new.into_iter().map(|own| stream(own, file.clone(), format));
+            let streams = new
+                .into_iter()
+                .map(|own| stream(with_times(own, &at), file.clone(), format));
             files.push(File {
                 name: name.clone().into_owned(),
                 streams: streams.collect(),
@@ -194,7 +199,7 @@ fn columns_of(stream: &StreamEntry) -> Vec<&Column> {
     let mut columns = match &stream.time {
         TimeEntry::Column(column) => vec![column],
         TimeEntry::Parts([s, ns]) => vec![s, ns],
-        TimeEntry::Period(_) => Vec::new(),
+        TimeEntry::Period(_) | TimeEntry::File(_) => Vec::new(),
     };
     for (_, source) in &stream.columns {
         match source {
@@ -207,6 +212,24 @@ fn columns_of(stream: &StreamEntry) -> Vec<&Column> {
         }
     }
     columns.into_iter().map(|entry| &entry.column).collect()
+}
+
+/// Name of a file with the times of the rows of others.
+const TIMES: &str = "times.txt";
+
+/// Whether a file has the times of others beside it.
+fn is_times(file: &Path) -> bool {
+    file.file_name().is_some_and(|name| name == TIMES)
+}
+
+/// A stream without times, with those that stand beside its file.
+fn with_times(mut guessed: Guessed, file: &Path) -> Guessed {
+    let has_none = matches!(guessed.time, TimeEntry::Period(_));
+    if has_none && file.with_file_name(TIMES).is_file() {
+        guessed.time = TimeEntry::File(TIMES.to_owned());
+        guessed.note = None;
+    }
+    guessed
 }
 
 fn stream(

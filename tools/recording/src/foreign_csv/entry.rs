@@ -40,6 +40,8 @@ pub(super) enum TimeEntry {
     Parts([ColumnEntry; 2]),
     /// Rows follow each other by so much (s).
     Period(f64),
+    /// A file of this name beside this one has a time (s) in each line, one for each row.
+    File(String),
 }
 
 /// Where a column of the format comes from. `C` is a column of the file.

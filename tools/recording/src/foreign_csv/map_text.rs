@@ -28,6 +28,7 @@ pub(super) fn table_text(stream: &StreamEntry) -> String {
             line("t_ns", column_text(ns));
         }
         TimeEntry::Period(period_s) => line("period_s", format!("{period_s:?}")),
+        TimeEntry::File(name) => line("times", quoted(name)),
     }
     for (name, source) in &stream.columns {
         match source {

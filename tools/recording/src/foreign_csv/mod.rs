@@ -13,6 +13,7 @@ mod reader;
 mod stream_table;
 mod table;
 mod text;
+mod times_file;
 
 pub use column_map::ColumnMap;
 pub(crate) use draft::{Draft, csv_files};

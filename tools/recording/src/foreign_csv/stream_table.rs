@@ -9,7 +9,15 @@ use crate::table::{ColumnSet, StreamKind};
 use crate::toml_files::{Entry, Section};
 
 /// Keys of a stream besides its columns.
-const STREAM_KEYS: [&str; 6] = ["file", "separator", "header", "t_s", "t_ns", "period_s"];
+const STREAM_KEYS: [&str; 7] = [
+    "file",
+    "separator",
+    "header",
+    "t_s",
+    "t_ns",
+    "period_s",
+    "times",
+];
 /// Keys of a pose for a yaw from a quaternion.
 const QUATERNION: [&str; 4] = ["qx", "qy", "qz", "qw"];
 /// Keys of a pose for a yaw from a direction.
@@ -104,9 +112,16 @@ struct Columns {
 }
 
 impl Columns {
-    /// The time of a row: `t_s`, with `t_ns` if nanoseconds have a column of their own, or `period_s`.
+    /// The time of a row: `t_s`, with `t_ns` if nanoseconds have a column of their own, `period_s`, or a file of `times`.
     fn time(&self, section: &Section<'_>) -> Parsed<TimeEntry> {
         let ns = section.get("t_ns");
+        if let Some(entry) = section.get("times") {
+            let others = ["t_s", "t_ns", "period_s"];
+            return match others.iter().find_map(|key| section.get(key)) {
+                None => Ok(TimeEntry::File(file_name(&entry)?)),
+                Some(other) => Err(other.error("stands beside times", "keep one of them")),
+            };
+        }
         if let Some(entry) = section.get("period_s") {
             let period_s = entry.number()?;
             if period_s <= 0.0 {

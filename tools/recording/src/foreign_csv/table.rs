@@ -14,7 +14,7 @@ const EMPTY: [&str; 7] = ["", "nan", "na", "n/a", "null", "none", "-"];
 
 /// A file and its current row.
 pub(super) struct ForeignCsv<'a> {
-    path: &'a Path,
+    pub(super) path: &'a Path,
     layout: Layout,
     lines: Lines<'a>,
     row: CellsOfLine,
