@@ -452,6 +452,16 @@ fn plugins() -> Vec<Kind> {
         urdf("the plugin of new Gazebo", &[meshes.clone(), plugin("gz-sim-diff-drive-system",
             &format!("{told}<wheel_separation>0.28</wheel_separation><wheel_radius>0.04</wheel_radius>"))],
             PLUGIN, &[]),
+        urdf(
+            "meshes, and a file with the controller's parameters",
+            &[
+                meshes.clone(),
+                "<gazebo><plugin filename=\"libgz_ros2_control-system.so\"><parameters>/r/control.yaml</parameters></plugin></gazebo>"
+                    .to_owned(),
+            ],
+            "r = none, b = 0.15 m, right: right_wheel, left: left_wheel",
+            &["/r/control.yaml: give that file, too"],
+        ),
         urdf("a plugin against the shapes", &[pair(&cylinder(0.05, 0.0)), plugin("gz-sim-diff-drive-system",
             &format!("{told}<wheel_separation>0.28</wheel_separation><wheel_radius>0.04</wheel_radius>"))],
             PAIR, &["contradict each other about the wheel radius: 0.05 m", "contradict each other about half of the track"]),

@@ -23,6 +23,7 @@ use self::wheels::Wheels;
 use super::described::{Described, Kind};
 use super::drive::Drive;
 use super::lengths;
+use super::words::list;
 use super::xml::{self, Element};
 
 /// Describes the robot of a URDF. `controllers` are what other files say about its drive.
@@ -71,8 +72,35 @@ pub(super) fn describe(
     let geometry = geometry::of_wheels(&parts, &frames, &wheels, &mut described);
     lengths::take(controllers, &plugins, geometry, &mut described);
     described.take_drives(drives);
+    note_lengths(root, &mut described);
     let described = described.checked()?;
     with_masses(&parts, &frames, &wheels, described)
+}
+
+/// Larger wheels are none in metres (m).
+const LARGEST_RADIUS_M: f64 = 3.0;
+
+/// What to say of lengths that are missing, or too large.
+fn note_lengths(root: Element<'_>, described: &mut Described) {
+    let files = plugins::parameter_files(root);
+    if !described.missing.is_empty() && !files.is_empty() {
+        described.note(format!(
+            "The parameters of its controllers are in {}: give that file, too",
+            list(files.into_iter())
+        ));
+    }
+    let radius = described
+        .taken
+        .iter()
+        .find(|own| own.key == "wheel_radius_m");
+    if let Some(radius_m) = radius
+        .map(|own| own.value)
+        .filter(|own| *own > LARGEST_RADIUS_M)
+    {
+        described.note(format!(
+            "No robot has wheels of {radius_m} m: lengths of a URDF are in metres"
+        ));
+    }
 }
 
 /// Adds masses to a description whose lengths are known and possible.

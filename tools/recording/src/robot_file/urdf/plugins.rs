@@ -50,6 +50,18 @@ pub(super) fn drives(root: Element<'_>, parts: &Parts<'_>) -> Result<Vec<Drive>,
     Ok(drives)
 }
 
+/// The files of parameters that plugins name, such as that of a controller.
+pub(super) fn parameter_files(root: Element<'_>) -> Vec<&str> {
+    let files = root.below("parameters").map(|own| own.text().trim());
+    files
+        .filter(|name| {
+            [".yaml", ".yml"]
+                .iter()
+                .any(|ending| name.ends_with(ending))
+        })
+        .collect()
+}
+
 /// A parameter of a plugin.
 struct Parameter<'a> {
     name: &'a str,
