@@ -251,3 +251,76 @@ fn unusable_files_are_refused_in_one_line() {
     );
     assert_refused(folder.path(), &["robot", "."], "slipstream: .: ");
 }
+
+/// A controller with multipliers of the lengths that a URDF has, as robots of ROS 1 are started.
+#[test]
+fn a_urdf_and_the_yaml_of_its_controller_are_one_robot() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a.urdf"), urdf("turtle.urdf")).unwrap();
+    let yaml = "base:\n  type: diff_drive_controller/DiffDriveController\n  left_wheel: wheel_left_joint\n  \
+                right_wheel: wheel_right_joint\n  wheel_separation_multiplier: 1.5\n";
+    std::fs::write(folder.path().join("b.yaml"), yaml).unwrap();
+    let message = "slipstream: b.yaml: gives no wheel_radius_m and no half_track_m: base has no wheel_radius, and base has no \
+                   wheel_separation; give the robot's URDF, too (--robot robot.urdf --robot b.yaml)";
+    let recording = root().join("tests/example/recording");
+    let recording = recording.to_string_lossy();
+    assert_refused(
+        folder.path(),
+        &["check", &recording, "--robot", "b.yaml"],
+        message,
+    );
+    let both = ["robot", "a.urdf", "b.yaml", "--json", "c.json"];
+    let text = printed(folder.path(), &both);
+    assert!(
+        text.starts_with("URDF and diff_drive_controller YAML\n"),
+        "{text}"
+    );
+    let answer = read_json(&folder.path().join("c.json"));
+    assert_eq!(answer["sources"][1]["file"], "b.yaml");
+    assert_eq!(answer["taken"][1]["value"], 0.12);
+    let told = [
+        "check", &recording, "--robot", "b.yaml", "--robot", "a.urdf",
+    ];
+    let output = slipstream(folder.path(), &told);
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        stderr.contains("wheel_radius_m = 0.033, half_track_m = 0.12"),
+        "{stderr}"
+    );
+    // Two of a kind are not of one robot.
+    let two = "slipstream: a.urdf: is a second URDF, beside a.urdf; give one URDF for a robot";
+    assert_refused(folder.path(), &["robot", "a.urdf", "a.urdf"], two);
+}
+
+/// An ERROR of `check` is an exit code, and says what to type.
+#[test]
+fn check_ends_with_2_beside_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let example = root().join("tests/example/recording");
+    let own = folder.path().join("recording");
+    for file in [
+        "recording.toml",
+        "r1/command.csv",
+        "r1/wheels.csv",
+        "r1/pose.csv",
+    ] {
+        if let Ok(text) = std::fs::read_to_string(example.join(file)) {
+            let to = own.join(file);
+            std::fs::create_dir_all(to.parent().unwrap()).unwrap();
+            let swapped = text.replacen("ticks_right,ticks_left", "ticks_left,ticks_right", 1);
+            std::fs::write(to, swapped).unwrap();
+        }
+    }
+    let model = root().join("tests/example/robot.toml");
+    let model = model.to_string_lossy();
+    let output = slipstream(folder.path(), &["check", "recording", "--robot", &model]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{text}");
+    assert!(text.contains("ERROR"), "{text}");
+    let cure = "exchange the names of the columns in the first line of wheels.csv";
+    assert!(text.contains(cure), "{text}");
+    let colours = ["check", "recording", "--robot", &model, "--color", "always"];
+    let output = slipstream(folder.path(), &colours);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("\u{1b}["), "{text}");
+}
