@@ -219,7 +219,7 @@ def test_effects_are_the_catalogue():
         (lambda own: own["pose"].update(z_m=own["pose"]["x_m"]), "cart: pose", "has no use for column z_m"),
         (lambda own: own.update(lidar={"t_s": [0.0]}), "cart: lidar", "is not a stream"),
         (lambda own: own["wheels"].pop("t_s"), "cart: wheels", "has no column t_s"),
-        (lambda own: own.update(encoder_counts_per_rev=0.5), "cart: encoder_counts_per_rev", "is not a whole number"),
+        (lambda own: own.update(encoder_counts_per_rev=0.5), "cart: encoder_counts_per_rev", "is 0.5"),
     ],
 )
 def test_wrong_arrays_are_said_with_their_place(change, place, problem):
