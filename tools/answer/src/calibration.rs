@@ -7,7 +7,7 @@ use slipstream_recording::Recording;
 
 use super::digits::in_digits;
 use super::setup::Setup;
-use super::{Answer, Finding};
+use super::{Answer, Finding, ParameterEstimate};
 
 /// Digits behind the point of a number whose interval is not known.
 const DIGITS: usize = 6;
@@ -92,16 +92,23 @@ impl Calibration<'_> {
 
     /// A number of the model with the digits that the finding of its effect lets count.
     fn write(&self, effect: &str, name: &str, value: f64) -> String {
-        let of_effect = self.findings.iter().filter(|own| own.effect == effect);
-        let mut parameters = of_effect.flat_map(|own| &own.parameters);
-        let interval = parameters
-            .find(|own| own.name == name)
-            .and_then(|own| own.ci95);
-        match interval {
+        match self.interval(effect, name) {
             Some(interval) => in_digits(value, interval)[0].clone(),
             None if value == 1.0 => "1.0".to_owned(),
             None => format!("{value:.DIGITS$}"),
         }
+    }
+
+    /// What the findings of an effect say about one of its parameters.
+    fn parameters_of(&self, effect: &str, name: &str) -> impl Iterator<Item = &ParameterEstimate> {
+        let of_effect = self.findings.iter().filter(move |own| own.effect == effect);
+        let parameters = of_effect.flat_map(|own| &own.parameters);
+        parameters.filter(move |own| own.name == name)
+    }
+
+    /// Where the value of a parameter lies, as far as its first finding says.
+    fn interval(&self, effect: &str, name: &str) -> Option<[f64; 2]> {
+        self.parameters_of(effect, name).next()?.ci95
     }
 
     /// Of what is not the same in all recordings.
@@ -125,15 +132,7 @@ impl Calibration<'_> {
         let side = |name: &str| {
             let scale = self.model.number("encoder_scale", name)?;
             let of = |scale: f64| scale * counts_per_turn.unwrap_or(1.0);
-            let own = self
-                .findings
-                .iter()
-                .filter(|own| own.effect == "encoder_scale");
-            let mut parameters = own.flat_map(|own| &own.parameters);
-            let interval = parameters
-                .find(|own| own.name == name)
-                .and_then(|own| own.ci95);
-            Some(match interval {
+            Some(match self.interval("encoder_scale", name) {
                 Some(ends) => in_digits(of(scale), ends.map(of))[0].clone(),
                 None => format!("{:.4}", of(scale)),
             })
@@ -187,10 +186,8 @@ impl Calibration<'_> {
 
     /// Whether a finding says that a number is zero within its interval, and was not known before.
     fn is_zero(&self, effect: &str, name: &str) -> bool {
-        let of_effect = self.findings.iter().filter(|own| own.effect == effect);
-        let mut parameters = of_effect.flat_map(|own| &own.parameters);
-        let own =
-            parameters.find(|own| own.name == name && own.nominal.is_none_or(|was| was == 0.0));
+        let mut parameters = self.parameters_of(effect, name);
+        let own = parameters.find(|own| own.nominal.is_none_or(|was| was == 0.0));
         own.and_then(|own| own.ci95)
             .is_some_and(|[low, high]| low <= 0.0 && 0.0 <= high)
     }

@@ -1,5 +1,6 @@
 //! Bags, without the meaning of their messages: MCAP, SQLite, ROS 1 and WPILib containers are read, MCAP is written.
 
+mod channels;
 mod chunk;
 mod file;
 mod folder;

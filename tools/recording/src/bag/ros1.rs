@@ -11,8 +11,9 @@ use std::sync::Arc;
 
 use slipstream_bus::InputError;
 
+use super::channels::Channels;
 use super::chunk::{MAX_CHUNK_BYTES, unpack_as_far};
-use super::item::{ChannelInfo, Item, Undecodable, Visit, Wanted, ros2_name};
+use super::item::{ChannelInfo, Undecodable, Visit, Wanted, ros2_name};
 use super::loss::Loss;
 
 /// First bytes of every bag of this format.
@@ -52,11 +53,9 @@ pub(super) fn read_ros1(
         ));
     }
     let mut reader = Ros1Reader {
-        wanted,
-        visit,
+        connections: Channels::new(wanted, visit),
         loss: Loss::default(),
         unpacked: Vec::new(),
-        connections: BTreeMap::new(),
     };
     let read = reader.records(source).map_err(unreadable)?;
     if let End::Damaged { bytes_read } = read {
@@ -77,13 +76,11 @@ enum End {
 }
 
 struct Ros1Reader<'a> {
-    wanted: &'a Wanted<'a>,
-    visit: &'a mut Visit<'a>,
+    /// Topics by the number of their connection.
+    connections: Channels<'a>,
     loss: Loss,
     /// The decompressed records of the current chunk; kept to save allocations.
     unpacked: Vec<u8>,
-    /// Topics by the number of their connection, and whether their messages are wanted.
-    connections: BTreeMap<u32, (Arc<ChannelInfo>, bool)>,
 }
 
 impl Ros1Reader<'_> {
@@ -157,48 +154,31 @@ impl Ros1Reader<'_> {
     /// Registers a connection; of several with the same number, the first one.
     fn connection(&mut self, header: &[u8], data: &[u8]) -> Option<()> {
         let id = u32::from_le_bytes(field(header, b"conn")?.try_into().ok()?);
-        if self.connections.contains_key(&id) {
+        if self.connections.has(id) {
             return Some(());
         }
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
         let definition = field(data, b"message_definition").unwrap_or_default();
-        let channel = Arc::new(ChannelInfo {
+        let channel = ChannelInfo {
             topic: text(field(header, b"topic")?),
             schema: ros2_name(&text(field(data, b"type")?)),
             encoding: "ros1".to_owned(),
             definition: Arc::new(("ros1msg".to_owned(), definition.to_owned())),
             metadata: BTreeMap::new(),
-        });
-        let item = Item::Channel {
-            id,
-            channel: &channel,
         };
-        let visited = (self.visit)(item);
-        let is_wanted = (self.wanted)(&channel);
-        self.connections.insert(id, (channel, is_wanted));
-        visited.ok()
+        self.connections.add(id, channel).ok()
     }
 
     fn message(&mut self, header: &[u8], data: &[u8]) -> Result<(), Undecodable> {
         let number = |bytes: &[u8]| bytes.try_into().map(u32::from_le_bytes).ok();
         let id = field(header, b"conn").and_then(number);
-        let id = id.ok_or(Undecodable)?;
-        let (channel, is_wanted) = self.connections.get(&id).ok_or(Undecodable)?;
-        if !is_wanted {
-            return (self.visit)(Item::Unwanted {
-                channel,
-                messages: 1,
-            });
-        }
-        let time = field(header, b"time").and_then(|time| time.split_at_checked(4));
-        let (sec, nanosec) = time.ok_or(Undecodable)?;
-        let (sec, nanosec) = number(sec).zip(number(nanosec)).ok_or(Undecodable)?;
-        (self.visit)(Item::Message {
-            id,
-            channel,
-            log_time_ns: u64::from(sec) * 1_000_000_000 + u64::from(nanosec),
-            data,
-        })
+        let log_time_ns = || {
+            let (sec, nanosec) = field(header, b"time")?.split_at_checked(4)?;
+            let (sec, nanosec) = number(sec).zip(number(nanosec))?;
+            Some(u64::from(sec) * 1_000_000_000 + u64::from(nanosec))
+        };
+        self.connections
+            .message(id.ok_or(Undecodable)?, log_time_ns, data)
     }
 }
 

@@ -10,8 +10,9 @@ use std::sync::Arc;
 
 use slipstream_bus::InputError;
 
+use super::channels::Channels;
 use super::chunk::MAX_CHUNK_BYTES;
-use super::item::{ChannelInfo, Item, Undecodable, Visit, Wanted};
+use super::item::{ChannelInfo, Undecodable, Visit, Wanted};
 use super::loss::Loss;
 
 /// First bytes of every log.
@@ -57,10 +58,8 @@ pub(super) fn read_wpilog(
     };
     fill(source, &mut data, extra.min(MAX_CHUNK_BYTES)).map_err(unreadable)?;
     let mut reader = Reader {
-        wanted,
-        visit,
+        entries: Channels::new(wanted, visit),
         loss: Loss::default(),
-        entries: BTreeMap::new(),
     };
     let mut bytes_read = 12 + extra;
     loop {
@@ -83,11 +82,9 @@ enum Record {
 }
 
 struct Reader<'a> {
-    wanted: &'a Wanted<'a>,
-    visit: &'a mut Visit<'a>,
+    /// Started entries.
+    entries: Channels<'a>,
     loss: Loss,
-    /// Started entries, and whether their messages are wanted.
-    entries: BTreeMap<u32, (Arc<ChannelInfo>, bool)>,
 }
 
 impl Reader<'_> {
@@ -127,7 +124,8 @@ impl Reader<'_> {
             self.loss.damaged_records += u64::from(known.is_none());
             return;
         }
-        match self.message(entry, t_us, data) {
+        let log_time_ns = || Some(t_us.saturating_mul(1000));
+        match self.entries.message(entry, log_time_ns, data) {
             Ok(()) => self.loss.messages_read += 1,
             Err(Undecodable) => self.loss.undecodable_messages += 1,
         }
@@ -138,44 +136,21 @@ impl Reader<'_> {
         let id = number(data, 1)? as u32;
         match *data.first()? {
             START => {}
-            FINISH => return self.entries.remove(&id).map(|_| ()),
+            FINISH => return self.entries.remove(id),
             _ => return Some(()),
         }
         let (topic, rest) = text(data.get(5..)?)?;
         let (schema, _) = text(rest)?;
         let mut known = DEFINITIONS.iter().filter(|(name, _)| *name == schema);
         let definition = known.next().map_or(("", ""), |(_, own)| ("ros1msg", own));
-        let channel = Arc::new(ChannelInfo {
+        let channel = ChannelInfo {
             topic,
             schema,
             encoding: "wpilog".to_owned(),
             definition: Arc::new((definition.0.to_owned(), definition.1.as_bytes().to_vec())),
             metadata: BTreeMap::new(),
-        });
-        let item = Item::Channel {
-            id,
-            channel: &channel,
         };
-        let visited = (self.visit)(item);
-        let is_wanted = (self.wanted)(&channel);
-        self.entries.insert(id, (channel, is_wanted));
-        visited.ok()
-    }
-
-    fn message(&mut self, id: u32, t_us: u64, data: &[u8]) -> Result<(), Undecodable> {
-        let (channel, is_wanted) = self.entries.get(&id).ok_or(Undecodable)?;
-        (self.visit)(match is_wanted {
-            true => Item::Message {
-                id,
-                channel,
-                log_time_ns: t_us.saturating_mul(1000),
-                data,
-            },
-            false => Item::Unwanted {
-                channel,
-                messages: 1,
-            },
-        })
+        self.entries.add(id, channel).ok()
     }
 }
 

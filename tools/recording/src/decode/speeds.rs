@@ -19,8 +19,7 @@ impl PoseSpeeds {
         if h <= 0.0 {
             return None;
         }
-        let turn = (pose[2] - before[2] + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU)
-            - std::f64::consts::PI;
+        let turn = wrapped(pose[2] - before[2]);
         let middle = before[2] + turn / 2.0;
         let chord = (pose[0] - before[0]) * middle.cos() + (pose[1] - before[1]) * middle.sin();
         // half a turn's arc over its chord; 1 where it is straight
@@ -32,6 +31,12 @@ impl PoseSpeeds {
         };
         Some((before_s + h / 2.0, [chord * arc / h, turn / h]))
     }
+}
+
+/// The same angle in [-π, π) (rad).
+pub(crate) fn wrapped(angle_rad: f64) -> f64 {
+    use std::f64::consts::{PI, TAU};
+    (angle_rad + PI).rem_euclid(TAU) - PI
 }
 
 #[cfg(test)]

@@ -4,13 +4,13 @@ use super::clock::Clock;
 use super::neighbours::{Around, MOST_GAP_S, Neighbours};
 use super::rigid;
 use super::source::Quantity;
-use super::turn::{about, wrapped};
+use super::turn::about;
 use crate::bag::{ChannelInfo, Undecodable, VisitResult};
-use crate::decode::{Fields, StreamBuilder};
+use crate::decode::{Fields, StreamBuilder, wrapped};
 use crate::ros::Encoding;
 use crate::ros::time::s_from_ns;
 use crate::rows::{Disk, Spool, sorted_by_time};
-use crate::table::{Cells, Table};
+use crate::table::Table;
 use nalgebra::Vector3;
 
 /// Between counts that differ by more, a counter may have begun again: nothing lies between them.
@@ -74,7 +74,8 @@ impl Apart {
             for (stamp_ns, value) in wheel.take.values(channel, data)? {
                 wheel.is_stamped |= stamp_ns.is_some_and(|stamp_ns| stamp_ns != 0);
                 if value.is_finite() {
-                    wheel.push(s_from_ns(clock.time_ns(stamp_ns, log_ns)), value);
+                    let t_s = s_from_ns(clock.time_ns(stamp_ns, log_ns));
+                    wheel.rows.push_numbers(t_s, [value]);
                 }
             }
             Ok(())
@@ -125,17 +126,6 @@ impl Apart {
             stream.push_wheels(t_s, pair);
         }
         left_out
-    }
-}
-
-impl Wheel {
-    fn push(&mut self, t_s: f64, value: f64) {
-        let table = self.rows.tail();
-        table.t_s.push(t_s);
-        if let Some((_, Cells::Numbers(cells))) = table.columns.first_mut() {
-            cells.push(value);
-        }
-        self.rows.end_row();
     }
 }
 

@@ -16,7 +16,7 @@ use crate::ros::Encoding;
 use crate::ros::messages::TransformStamped;
 use crate::ros::time::s_from_ns;
 use crate::rows::{Disk, Spool, sorted_by_time};
-use crate::table::{Cells, Table};
+use crate::table::Table;
 
 /// A stamp may lie so far (ns) ahead of the reception of its message: a localisation lets its correction hold for
 /// some time to come. By more, the clocks differ.
@@ -200,16 +200,9 @@ impl Poses {
 
 impl Moving {
     fn push(&mut self, t_s: f64, place: &Rigid) {
-        let table = self.rows.tail();
-        table.t_s.push(t_s);
         let (offset, rotation) = (place.translation.vector, place.rotation.coords);
         let numbers = offset.iter().chain(rotation.iter());
-        for ((_, cells), number) in table.columns.iter_mut().zip(numbers) {
-            if let Cells::Numbers(cells) = cells {
-                cells.push(*number);
-            }
-        }
-        self.rows.end_row();
+        self.rows.push_numbers(t_s, numbers.copied());
     }
 }
 

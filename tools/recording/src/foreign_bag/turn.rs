@@ -3,6 +3,7 @@
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::rigid::Rigid;
+use crate::decode::wrapped;
 
 /// So far (m) the place of a wheel may move in its parent.
 const MOST_SHIFT_M: f64 = 1e-3;
@@ -61,12 +62,6 @@ pub(super) fn about(
 ) -> f64 {
     let turn = (rotation * first.inverse()).into_inner();
     wrapped(2.0 * turn.imag().dot(axis).atan2(turn.scalar()))
-}
-
-/// The same angle in [-π, π) (rad).
-pub(super) fn wrapped(angle_rad: f64) -> f64 {
-    use std::f64::consts::{PI, TAU};
-    (angle_rad + PI).rem_euclid(TAU) - PI
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use slipstream_bus::InputError;
 
@@ -10,8 +10,8 @@ use slipstream_bus::InputError;
 const MAX_LINE_BYTES: u64 = 1 << 20;
 
 /// A text file, line by line.
-pub(super) struct Lines<'a> {
-    path: &'a Path,
+pub(super) struct Lines {
+    path: PathBuf,
     source: BufReader<File>,
     bytes: Vec<u8>,
     /// Number of the current line, from 1 on.
@@ -20,15 +20,15 @@ pub(super) struct Lines<'a> {
     pub(super) is_ended: bool,
 }
 
-impl<'a> Lines<'a> {
+impl Lines {
     /// Opens a file.
     ///
     /// # Errors
     /// If it cannot be read.
-    pub(super) fn open(path: &'a Path) -> Result<Self, InputError> {
+    pub(super) fn open(path: &Path) -> Result<Self, InputError> {
         let file = File::open(path).map_err(|e| InputError::unreadable(path, &e))?;
         Ok(Self {
-            path,
+            path: path.to_owned(),
             source: BufReader::new(file),
             bytes: Vec::new(),
             number: 0,
@@ -45,14 +45,15 @@ impl<'a> Lines<'a> {
             self.bytes.clear();
             let mut source = (&mut self.source).take(MAX_LINE_BYTES);
             let read = source.read_until(b'\n', &mut self.bytes);
-            let read = read.map_err(|e| InputError::unreadable(self.path, &e))?;
+            let read = read.map_err(|e| InputError::unreadable(&self.path, &e))?;
             if read == 0 {
                 return Ok(None);
             }
             self.number += 1;
             if read as u64 == MAX_LINE_BYTES {
                 let problem = format!("has a line of more than {MAX_LINE_BYTES} bytes");
-                let error = InputError::file(self.path, problem, "give a file of rows, one a line");
+                let error =
+                    InputError::file(&self.path, problem, "give a file of rows, one a line");
                 return Err(error.at(self.number));
             }
             if self.bytes.iter().any(|byte| !byte.is_ascii_whitespace()) {

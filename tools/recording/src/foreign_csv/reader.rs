@@ -15,7 +15,7 @@ use crate::import::Spooled;
 use crate::recording::{ReadFrom, Recording};
 use crate::ros::messages::Quaternion;
 use crate::rows::{Disk, Spool, SpooledRecording, sorted_by_time};
-use crate::table::{Cells, Table, is_time, out_of_range};
+use crate::table::{Table, is_time, out_of_range};
 
 /// Whole numbers of a smaller size are exact in floating point (2^53).
 const MAX_EXACT_INTEGER: f64 = 9_007_199_254_740_992.0;
@@ -199,11 +199,10 @@ fn read_stream(
                 .row_error(format!("has the time {t_s} s"), "correct the factor")
                 .into());
         }
-        push(spool.tail(), t_s, &cells);
         for (has_value, cell) in has_values.iter_mut().zip(&cells) {
             *has_value |= cell.is_finite();
         }
-        spool.end_row();
+        spool.push_numbers(t_s, cells);
     }
     check(file, stream, &spool, &has_values)?;
     Ok((spool, csv.left_out()))
@@ -251,18 +250,6 @@ fn value(csv: &ForeignCsv<'_>, source: &Source<Cell>) -> std::result::Result<f64
             // Some fill what they do not measure with zeros: NaN.
             let [x, y, z, w] = [x, y, z, w].map(|part| part / size);
             Ok(Quaternion { x, y, z, w }.yaw())
-        }
-    }
-}
-
-/// Appends a row.
-fn push(table: &mut Table, t_s: f64, cells: &[f64]) {
-    table.t_s.push(t_s);
-    for ((_, column), cell) in table.columns.iter_mut().zip(cells) {
-        match column {
-            Cells::Numbers(column) => column.push(*cell),
-            Cells::Counts(column) => column.push(cell.is_finite().then_some(*cell as i64)),
-            Cells::Texts(_) => {}
         }
     }
 }

@@ -16,7 +16,7 @@ const EMPTY: [&str; 7] = ["", "nan", "na", "n/a", "null", "none", "-"];
 pub(super) struct ForeignCsv<'a> {
     pub(super) path: &'a Path,
     layout: Layout,
-    lines: Lines<'a>,
+    lines: Lines,
     row: CellsOfLine,
     /// The line of a last row that was cut, and is left out.
     cut_at: Option<u64>,

@@ -103,10 +103,10 @@ fn of_drives(first: &Source, drives: &[Drive]) -> Result<Described, InputError> 
         }
     }
     if drives.iter().any(|drive| drive.has_several) {
-        described.note(
-            "Several wheels on each side: the model has one pair. Skid steering turns as if the track were wider, which \
-             `slipstream diagnose` finds as track_width",
-        );
+        described.note(format!(
+            "Several wheels on each side: {}",
+            lengths::ONE_PAIR
+        ));
     }
     lengths::take(drives, &[], lengths::Geometry::default(), &mut described);
     described.take_drives(drives);

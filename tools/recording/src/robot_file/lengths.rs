@@ -6,6 +6,15 @@
 use super::described::{Described, Missing};
 use super::drive::{Drive, Length, Multipliers, first_of};
 
+/// What to do where no track is known.
+pub(super) const MEASURE_TRACK: &str =
+    "measure the distance between the middles of the wheels and write half of it";
+/// What to do where no radius is known.
+pub(super) const MEASURE_RADIUS: &str = "measure the radius of the wheels under load and write it";
+/// What to know where a robot has more wheels than the model.
+pub(super) const ONE_PAIR: &str = "the model has one pair. Skid steering turns as if the track were wider, which \
+                                   `slipstream diagnose` finds as track_width";
+
 /// What the links and joints of a robot say.
 #[derive(Debug, Default)]
 pub(super) struct Geometry {
@@ -47,6 +56,7 @@ pub(super) fn take(
     let (multipliers, by) = multiplied.map_or((Multipliers::default(), ""), |own| {
         (own.multipliers, own.name.as_str())
     });
+    let has_radius = radius.is_some();
     match radius {
         Some(radius) => take_radius(&radius, multipliers, by, described),
         None => missing("wheel_radius_m", controllers, &geometry.missing, described),
@@ -61,11 +71,7 @@ pub(super) fn take(
         ),
         None => missing("half_track_m", controllers, &geometry.missing, described),
     }
-    if described
-        .missing
-        .iter()
-        .all(|own| own.key != "wheel_radius_m")
-    {
+    if has_radius {
         take_difference(multipliers, by, described);
     }
     for note in contradictions.into_iter().chain(others) {
@@ -121,14 +127,8 @@ fn missing(key: &str, controllers: &[Drive], of_geometry: &[Missing], described:
         .first()
         .map_or("the file", |own| own.name.as_str());
     let (parameter, measure) = match key {
-        "half_track_m" => (
-            "wheel_separation",
-            "measure the distance between the middles of the wheels and write half of it",
-        ),
-        _ => (
-            "wheel_radius",
-            "measure the radius of the wheels under load and write it",
-        ),
+        "half_track_m" => ("wheel_separation", MEASURE_TRACK),
+        _ => ("wheel_radius", MEASURE_RADIUS),
     };
     let remedy =
         format!("give the robot's URDF, too, from which the controller has it, or {measure}");

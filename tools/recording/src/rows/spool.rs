@@ -59,6 +59,15 @@ impl Spool {
         }
     }
 
+    /// Appends a row of numbers, one for each column.
+    pub(crate) fn push_numbers(&mut self, t_s: f64, numbers: impl IntoIterator<Item = f64>) {
+        self.tail.t_s.push(t_s);
+        for ((_, cells), number) in self.tail.columns.iter_mut().zip(numbers) {
+            cells.push_number(number);
+        }
+        self.end_row();
+    }
+
     /// Appends a row of a table with the same columns.
     pub(super) fn push_from(&mut self, table: &Table, row: usize) {
         self.tail.push_from(table, row);

@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::import::Spooled;
 use crate::recording::{Recording, is_robot_name};
 use crate::rows::{Disk, Spool, SpooledRecording, sorted_by_time};
-use crate::table::{Cells, StreamKind, Table, is_time, out_of_range};
+use crate::table::{StreamKind, Table, is_time, out_of_range};
 
 /// Names of lengths in SysId, and their sizes (m).
 const LENGTHS: [(&str, f64); 3] = [("Meters", 1.0), ("Feet", 0.3048), ("Inches", 0.0254)];
@@ -114,17 +114,12 @@ fn stream(
             return Err(refuse("a time", row.t_s, "give seconds").into());
         }
         let values = values(row);
-        let table = spool.tail();
-        table.t_s.push(row.t_s);
-        for ((name, cells), value) in table.columns.iter_mut().zip(values) {
-            if let Some(remedy) = out_of_range(name, value) {
-                return Err(refuse(name, value, remedy).into());
-            }
-            if let Cells::Numbers(cells) = cells {
-                cells.push(value);
+        for (name, value) in names.iter().zip(&values) {
+            if let Some(remedy) = out_of_range(name, *value) {
+                return Err(refuse(name, *value, remedy).into());
             }
         }
-        spool.end_row();
+        spool.push_numbers(row.t_s, values);
     }
     Ok(spool)
 }

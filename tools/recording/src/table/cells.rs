@@ -32,6 +32,15 @@ impl Cells {
         }
     }
 
+    /// Appends a number, of counts a whole one; NaN is empty.
+    pub(crate) fn push_number(&mut self, number: f64) {
+        match self {
+            Self::Numbers(cells) => cells.push(number),
+            Self::Counts(cells) => cells.push(number.is_finite().then_some(number as i64)),
+            Self::Texts(_) => {}
+        }
+    }
+
     /// Removes all cells.
     pub(super) fn clear(&mut self) {
         match self {

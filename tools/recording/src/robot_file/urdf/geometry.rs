@@ -6,7 +6,7 @@ use super::parts::Parts;
 use super::wheels::Wheels;
 use crate::robot_file::described::{Described, Missing};
 use crate::robot_file::drive::Length;
-use crate::robot_file::lengths::Geometry;
+use crate::robot_file::lengths::{Geometry, MEASURE_RADIUS, MEASURE_TRACK, ONE_PAIR};
 use crate::robot_file::words::{in_words, list};
 
 /// Lengths that differ by less are the same (m).
@@ -15,11 +15,6 @@ const SAME_M: f64 = 1e-6;
 const AXLE_M: f64 = 1e-3;
 /// How far a shape may lie beside its joint before it is said (m).
 const BESIDE_M: f64 = 1e-3;
-/// What to do where no track is known.
-const MEASURE_TRACK: &str =
-    "measure the distance between the middles of the wheels and write half of it";
-/// What to do where no radius is known.
-const MEASURE_RADIUS: &str = "measure the radius of the wheels under load and write it";
 
 /// What the wheels tell.
 pub(super) fn of_wheels(
@@ -139,11 +134,7 @@ fn note_pairs(wheels: &Wheels<'_>, described: &mut Described) {
     let Some((rear, others)) = tracks.split_last().filter(|(_, others)| !others.is_empty()) else {
         return;
     };
-    described.note(format!(
-        "{} wheels: the model has one pair. Skid steering turns as if the track were wider, which \
-         `slipstream diagnose` finds as track_width",
-        wheels.all().count()
-    ));
+    described.note(format!("{} wheels: {ONE_PAIR}", wheels.all().count()));
     if others.iter().any(|own| (own - rear).abs() > SAME_M) {
         let others = list(others.iter().map(|own| in_words(*own)));
         described.note(format!(

@@ -111,15 +111,15 @@ fn inertials(
         known.push((place, own));
     }
     // Links that are fixed to each other are one body: its mass may stand in any of them.
-    let massive: BTreeSet<usize> = known.iter().map(|(place, _)| *place).collect();
+    let massive: BTreeSet<usize> = known.iter().map(|(place, _)| parts.top(*place)).collect();
+    let of_base = parts.top(frames.base);
     let mut massless = Vec::new();
     for (place, problem) in without {
-        let has_mass = |link: &usize| massive.contains(link);
-        let body = parts.body(place);
-        if body.iter().any(has_mass) {
+        let top = parts.top(place);
+        if massive.contains(&top) {
             continue;
         }
-        if body.contains(&frames.base) || wheel_links.contains(&place) {
+        if top == of_base || wheel_links.contains(&place) {
             return Ok(Err(format!("link {} {problem}", parts.name(place))));
         }
         massless.push(parts.name(place));

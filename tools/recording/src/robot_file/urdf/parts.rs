@@ -109,11 +109,10 @@ impl<'a> Parts<'a> {
         self.reached(link, |joint| joint.is_fixed)
     }
 
-    /// A link and all that are fixed to each other with it, above and below: one body.
-    pub(super) fn body(&self, link: usize) -> Vec<usize> {
+    /// The uppermost link that a link is fixed to; itself if it is fixed to none. Links with the same one are one body.
+    pub(super) fn top(&self, link: usize) -> usize {
         let fixed_above = self.above(link).take_while(|joint| joint.is_fixed);
-        let top = fixed_above.last().map_or(link, |joint| joint.parent);
-        self.fixed_below(top)
+        fixed_above.last().map_or(link, |joint| joint.parent)
     }
 
     /// The joints above a link, from the nearest up.
