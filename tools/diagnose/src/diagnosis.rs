@@ -184,7 +184,7 @@ fn run_name(machine: &Runs<'_>, run: usize) -> String {
 
 /// The runs of each machine: robots of one name, or all robots of a recording that says so. Single
 /// robots of several recordings are one machine whatever they are called.
-fn machines(recordings: &[Recording]) -> Vec<Vec<(&Recording, &Recorded)>> {
+pub(crate) fn machines(recordings: &[Recording]) -> Vec<Vec<(&Recording, &Recorded)>> {
     let alone = recordings.len() > 1 && recordings.iter().all(|r| r.robots.len() == 1);
     let mut machines: Vec<Vec<(&Recording, &Recorded)>> = Vec::new();
     for recording in recordings {

@@ -10,6 +10,7 @@ mod model;
 mod predict;
 mod request;
 mod select;
+mod watch;
 
 use slipstream_answer as answer;
 
@@ -18,3 +19,4 @@ pub use predict::prediction::{Prediction, predict};
 pub use request::Request;
 /// Why a recording cannot be diagnosed.
 pub use slipstream_bus::InputError;
+pub use watch::{Change, Event, Question, State, Watch};

@@ -68,12 +68,14 @@ mod foreign_bag;
 mod foreign_csv;
 mod git_lfs;
 mod import;
+mod joined;
 mod listener;
 mod mcap_file;
 mod mend;
 mod mended;
 mod open;
 pub mod output;
+mod pieces;
 pub mod recording;
 pub mod robot_file;
 mod ros;
@@ -103,6 +105,8 @@ pub use open::{
     Map, describe_robot, describe_robots, draft_map, read, read_mapped, read_mapped_from,
     read_spooled,
 };
+pub use joined::joined;
+pub use pieces::Pieces;
 pub use recording::Recording;
 pub use rows::Disk;
 pub use slipstream_bus::InputError;

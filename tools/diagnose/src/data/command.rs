@@ -24,14 +24,8 @@ pub(crate) fn commands(robot: &Robot, model: &RobotModel, origin_s: f64) -> Opti
     let (r, b) = (model.robot.wheel_radius_m, model.robot.half_track_m);
     let mut path = CommandPath::default();
     for (stamp_s, command) in streams::commands(robot) {
-        let per_unit = match command {
-            Command::Twist { .. } | Command::Speed { .. } => 1.0,
-            Command::Voltage { .. } => {
-                path.by_volts = true;
-                model.motor.as_ref()?.speed_per_volt()
-            }
-            Command::Torque { .. } => return None,
-        };
+        let per_unit = per_unit(&command, model)?;
+        path.by_volts |= matches!(command, Command::Voltage { .. });
         let speed = asked(&command, r, b).map(|own| own * per_unit);
         let t_s = stamp_s - origin_s;
         let later = path.times_s.last().is_none_or(|last| t_s > *last);
@@ -55,6 +49,16 @@ impl CommandPath {
     pub(crate) fn at(&self, time_s: f64) -> Option<[f64; 2]> {
         let next = self.times_s.partition_point(|t_s| *t_s <= time_s);
         Some(self.speeds_rad_s[next.checked_sub(1)?])
+    }
+}
+
+/// Speed of a wheel (rad/s) for each unit of what a command asks of it; `None` of torques, and of voltages of a motor
+/// that is not known.
+pub(crate) fn per_unit(command: &Command, model: &RobotModel) -> Option<f64> {
+    match command {
+        Command::Twist { .. } | Command::Speed { .. } => Some(1.0),
+        Command::Voltage { .. } => Some(model.motor.as_ref()?.speed_per_volt()),
+        Command::Torque { .. } => None,
     }
 }
 

@@ -8,6 +8,7 @@
 
 pub(crate) mod command;
 pub(crate) mod faults;
+pub(crate) mod feed;
 pub(crate) mod matched;
 pub(crate) mod noise;
 pub(crate) mod reference;

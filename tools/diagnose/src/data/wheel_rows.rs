@@ -29,11 +29,11 @@ const LEAST_ROWS: usize = 30;
 /// Most rows of one run.
 const MOST_ROWS: usize = 6000;
 /// A wheel that turns slower than this share of its top speed under a command of 0 rests.
-const REST_SHARE: f64 = 0.02;
+pub(crate) const REST_SHARE: f64 = 0.02;
 /// A wheel that turns faster than this share although its command has been 0 for this long (s) is
 /// turned by somebody else.
-const AWAY_SHARE: f64 = 0.1;
-const AWAY_S: f64 = 1.0;
+pub(crate) const AWAY_SHARE: f64 = 0.1;
+pub(crate) const AWAY_S: f64 = 1.0;
 /// A rest this far from any motion (s) says nothing.
 const NEAR_S: f64 = 0.3;
 /// Time over which the first speed is measured (s), and how near it is to the first command.

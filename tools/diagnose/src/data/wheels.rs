@@ -11,7 +11,7 @@ const LEAST_ROWS: usize = 8;
 /// Share of rows without motion below which a log holds changes alone.
 const STILL_SHARE: f64 = 0.01;
 /// A gap of a log of changes: this many median intervals.
-const GAP: f64 = 4.0;
+pub(super) const GAP: f64 = 4.0;
 
 /// The angles of both wheels, from zero at the first row; times count from `origin_s`. `None` without
 /// usable wheels.
@@ -36,7 +36,7 @@ pub(crate) fn path(robot: &Robot, model: &RobotModel, origin_s: f64) -> Option<W
 /// Angles of both wheels (rad).
 fn angles(robot: &Robot, model: &RobotModel) -> Option<Rows<2>> {
     if robot.wheels.is_none() {
-        return odometry(robot, model);
+        return wheel_speeds(robot, model).map(integrated);
     }
     let wheels = streams::wheels(robot, model)?;
     Some(match wheels.kind {
@@ -45,13 +45,13 @@ fn angles(robot: &Robot, model: &RobotModel) -> Option<Rows<2>> {
     })
 }
 
-/// Wheel angles that the robot's own estimate of its velocity stands for.
-fn odometry(robot: &Robot, model: &RobotModel) -> Option<Rows<2>> {
+/// Wheel speeds that the robot's own estimate of its velocity stands for (rad/s).
+pub(super) fn wheel_speeds(robot: &Robot, model: &RobotModel) -> Option<Rows<2>> {
     let (r, b) = (model.robot.wheel_radius_m, model.robot.half_track_m);
     let rows = streams::odometry(robot)?.into_iter();
     let speeds = rows.map(|(t_s, [v, w])| (t_s, [(v + b * w) / r, (v - b * w) / r]));
     let known = speeds.filter(|(_, speeds)| speeds.iter().all(|s| s.is_finite()));
-    Some(integrated(known.collect()))
+    Some(known.collect())
 }
 
 /// Integral of speeds by the trapezoidal rule.
@@ -69,13 +69,30 @@ fn integrated(mut rows: Rows<2>) -> Rows<2> {
     rows
 }
 
+/// How often (s) a log has a row while the wheels turn, where it has one only when a count changed.
+pub(crate) fn changes_every_s(robot: &Robot, model: &RobotModel) -> Option<f64> {
+    let (times_s, angles_rad) = angles(robot, model)?.into_iter().unzip();
+    let path = WheelPath {
+        times_s,
+        angles_rad,
+    };
+    let every_s = median_interval(&path.times_s);
+    (path.times_s.len() >= LEAST_ROWS && every_s > 0.0 && holds_changes_alone(&path))
+        .then_some(every_s)
+}
+
+/// Whether a log has a row only when a count changed.
+fn holds_changes_alone(path: &WheelPath) -> bool {
+    let pairs = path.angles_rad.windows(2);
+    let still = pairs.filter(|pair| pair[0] == pair[1]).count() as f64;
+    still < STILL_SHARE * path.times_s.len() as f64
+}
+
 /// In a log that has a row only when a count changed, the wheels stand during a gap until one
 /// interval before the row that ends it.
 fn with_rests(path: WheelPath) -> WheelPath {
     let median_s = median_interval(&path.times_s);
-    let pairs = path.angles_rad.windows(2);
-    let still = pairs.filter(|pair| pair[0] == pair[1]).count() as f64;
-    if still >= STILL_SHARE * path.times_s.len() as f64 {
+    if !holds_changes_alone(&path) {
         return path;
     }
     let mut rested = WheelPath::default();

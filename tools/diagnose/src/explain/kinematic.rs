@@ -162,6 +162,45 @@ pub(crate) fn learn(task: &Task<'_>) -> Result<Learnt, InputError> {
     })
 }
 
+/// A machine as it was fitted to recordings, for whoever watches it go on.
+pub(crate) struct Baseline {
+    pub(crate) machine: FromWheels,
+    pub(crate) drive: Option<CommandToWheels>,
+    pub(crate) found: Searched,
+    /// The model with everything that it lacked.
+    pub(crate) model: RobotModel,
+}
+
+impl Baseline {
+    /// What was fitted.
+    pub(crate) fn fitted(&self) -> Fitted<'_> {
+        Fitted {
+            streams: Streams {
+                reference: &self.machine,
+                drive: self.drive.as_ref(),
+            },
+            found: &self.found,
+        }
+    }
+}
+
+/// Fits one machine.
+///
+/// # Errors
+/// As [`examine`].
+pub(crate) fn baseline(task: &Task<'_>) -> Result<Baseline, InputError> {
+    let mut machine = Machine::new(task)?;
+    let fits = machine.fits(task, &mut Vec::new());
+    let (claims, _) = machine.claims(&fits);
+    let model = machine.improved(&claims);
+    Ok(Baseline {
+        machine: machine.machine,
+        drive: machine.drive,
+        found: fits.today,
+        model,
+    })
+}
+
 /// Standard deviation of numbers, and no less than what nobody would call a difference.
 fn deviation(all: &[f64]) -> f64 {
     let count = all.len() as f64;

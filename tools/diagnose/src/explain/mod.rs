@@ -2,7 +2,7 @@
 
 pub(crate) mod against;
 mod bench;
-mod claim;
+pub(crate) mod claim;
 pub(crate) mod collected;
 mod drawn_span;
 pub(crate) mod dynamic;
@@ -14,7 +14,7 @@ mod fitted_noise;
 pub(crate) mod kinematic;
 mod limits;
 pub(crate) mod links;
-mod naming;
+pub(crate) mod naming;
 mod open_loop;
 mod pictures;
 mod poses;

@@ -23,7 +23,7 @@ const BANDS: usize = 60;
 /// Factor from which on a wheel is no longer of another size, but encoders count otherwise.
 const FAR: f64 = 1.8;
 /// Tyres of one robot change by less between two recordings (logarithm of a factor).
-const TYRES: f64 = 0.03;
+pub(crate) const TYRES: f64 = 0.03;
 /// Clocks of runs differ when the probability of their spread without a difference is below this; and by which
 /// nobody would call it one (s).
 const RUNS_DIFFER: f64 = 1e-3;

@@ -56,6 +56,39 @@ pub(crate) struct Gyro<'a> {
     pub(crate) robust: bool,
 }
 
+/// What parameters make of a robot and its gyro.
+#[derive(Clone)]
+pub(crate) struct Model<S> {
+    metres_per_rad: [S; 2],
+    track_m: S,
+    latency_s: S,
+    rate: S,
+    bias_rad_s: S,
+    law: Option<Vec<S>>,
+    variance: [S; NOISE],
+    time_constant_s: S,
+}
+
+impl<S: Scalar> Model<S> {
+    /// When a row with this stamp was measured.
+    fn time(&self, stamp_s: f64) -> S {
+        (S::constant(stamp_s) - self.latency_s) / (self.rate + 1.0)
+    }
+}
+
+/// A filter on its way.
+#[derive(Clone)]
+pub(crate) struct On<S> {
+    pub(crate) state: Integrated<S>,
+    /// When its last row was measured (s), and how far the wheels had turned by then (rad).
+    pub(crate) time_s: S,
+    pub(crate) angles: [S; 2],
+    /// Yaw that was measured minus the one by the wheels (rad).
+    pub(crate) measured: S,
+    row: (f64, f64),
+    hint: usize,
+}
+
 impl Gyro<'_> {
     /// Filters all series. `parameters`: ln of right and left wheel scale, ln of track scale, latency
     /// (s), clock rate, bias (rad/s), the law of turns; then logs of: yaw per root metre, per root radian, per root
@@ -67,69 +100,110 @@ impl Gyro<'_> {
         sink: &mut dyn FnMut(Innovation<S>),
     ) {
         let weight = 1.0 / self.series.len() as f64;
-        let metres_per_rad = [
-            p[0].exp() * self.wheel_radius_m,
-            p[1].exp() * self.wheel_radius_m,
-        ];
-        let track_m = p[2].exp() * (2.0 * self.half_track_m);
-        let law = &p[FIRST_OF_LAW..PHYSICS];
-        let has_law = law.iter().any(|own| own.value() != 0.0);
-        let noise = &p[PHYSICS..];
-        let q: [S; NOISE] = std::array::from_fn(|i| (noise[i] * 2.0).exp());
-        let time_constant_s = noise[6].exp();
-        let time = |stamp_s: f64| (S::constant(stamp_s) - p[3]) / (p[4] + 1.0);
+        let model = self.model(p);
         for rows in self.series {
             let Some(first) = rows.first() else { continue };
-            let (mut hint, mut last_s) = (0, time(first.0));
-            let mut angles = wheels.angles_at(last_s, &mut hint);
-            let zero = S::constant(0.0);
-            let mut state = Integrated {
-                mean: [zero; 2],
-                cov: [q[3], zero, zero],
-            };
-            let mut measured = zero;
-            for pair in rows.windows(2) {
-                let [before, row] = [pair[0], pair[1]];
-                let next_s = time(row.0);
-                let dt = next_s - last_s;
-                last_s = next_s;
-                let next = wheels.angles_at(next_s, &mut hint);
-                let turned = [next[0] - angles[0], next[1] - angles[1]];
-                angles = next;
-                let mut turn =
-                    (metres_per_rad[0] * turned[0] - metres_per_rad[1] * turned[1]) / track_m;
-                let r = self.wheel_radius_m;
-                let way = ((turned[0] + turned[1]) * (r / 2.0)).abs();
-                let nominal_turn = (turned[0] - turned[1]) * (r / (2.0 * self.half_track_m));
-                let w = nominal_turn / dt;
-                if has_law {
-                    turn += motion_law::turning(law, w, &self.knots) * dt;
-                }
-                let straight = way / dt / (2.0 * self.half_track_m);
-                let disturbance = OrnsteinUhlenbeck {
-                    variance: q[5] * motion2(w, straight),
-                    time_s: time_constant_s,
-                };
-                let process = q[0] * way + q[1] * nominal_turn.abs() + q[2] * dt;
-                let step = disturbance.step(dt);
-                let cov = carried(&disturbance, &step, state.cov, process, dt);
-                state.advance(&step);
-                state.cov = cov;
-                measured += S::constant(row.1 - before.1) - turn - p[5] * (row.0 - before.0);
-                let sensor = q[3] + q[4] * w * w;
-                let difference = measured - state.mean[0];
-                let (log_likelihood, ordinary, variance) =
-                    self.merge(&mut state, difference, sensor, process);
+            let mut on = self.begin(wheels, &model, first);
+            for row in &rows[1..] {
+                let innovation = self.hear(wheels, &model, &mut on, row);
                 sink(Innovation {
-                    time_s: row.0,
                     weight,
-                    scalar: true,
-                    ordinary,
-                    log_likelihood,
-                    difference: [difference, zero, zero],
-                    covariance: [[variance, zero, zero], [zero; 3], [zero; 3]],
+                    ..innovation
                 });
             }
+        }
+    }
+
+    /// What the parameters make of the robot and its gyro.
+    pub(crate) fn model<S: Scalar>(&self, p: &[S]) -> Model<S> {
+        let noise = &p[PHYSICS..];
+        let law = &p[FIRST_OF_LAW..PHYSICS];
+        let has_law = law.iter().any(|own| own.value() != 0.0);
+        Model {
+            metres_per_rad: [
+                p[0].exp() * self.wheel_radius_m,
+                p[1].exp() * self.wheel_radius_m,
+            ],
+            track_m: p[2].exp() * (2.0 * self.half_track_m),
+            latency_s: p[3],
+            rate: p[4],
+            bias_rad_s: p[5],
+            law: has_law.then(|| law.to_vec()),
+            variance: std::array::from_fn(|i| (noise[i] * 2.0).exp()),
+            time_constant_s: noise[6].exp(),
+        }
+    }
+
+    /// The filter behind the first row of a series.
+    pub(crate) fn begin<S: Scalar>(
+        &self,
+        wheels: &dyn Turned<S>,
+        model: &Model<S>,
+        first: &(f64, f64),
+    ) -> On<S> {
+        let (mut hint, time_s, zero) = (0, model.time(first.0), S::constant(0.0));
+        let angles = wheels.angles_at(time_s, &mut hint);
+        On {
+            state: Integrated {
+                mean: [zero; 2],
+                cov: [model.variance[3], zero, zero],
+            },
+            time_s,
+            measured: zero,
+            angles,
+            row: *first,
+            hint,
+        }
+    }
+
+    /// Moves on to a row and hears it.
+    pub(crate) fn hear<S: Scalar>(
+        &self,
+        wheels: &dyn Turned<S>,
+        model: &Model<S>,
+        on: &mut On<S>,
+        row: &(f64, f64),
+    ) -> Innovation<S> {
+        let (q, zero) = (&model.variance, S::constant(0.0));
+        let before = std::mem::replace(&mut on.row, *row);
+        let next_s = model.time(row.0);
+        let dt = next_s - on.time_s;
+        on.time_s = next_s;
+        let next = wheels.angles_at(next_s, &mut on.hint);
+        let turned = [next[0] - on.angles[0], next[1] - on.angles[1]];
+        on.angles = next;
+        let [right, left] = [0, 1].map(|i| model.metres_per_rad[i] * turned[i]);
+        let mut turn = (right - left) / model.track_m;
+        let r = self.wheel_radius_m;
+        let way = ((turned[0] + turned[1]) * (r / 2.0)).abs();
+        let nominal_turn = (turned[0] - turned[1]) * (r / (2.0 * self.half_track_m));
+        let w = nominal_turn / dt;
+        if let Some(law) = &model.law {
+            turn += motion_law::turning(law, w, &self.knots) * dt;
+        }
+        let straight = way / dt / (2.0 * self.half_track_m);
+        let disturbance = OrnsteinUhlenbeck {
+            variance: q[5] * motion2(w, straight),
+            time_s: model.time_constant_s,
+        };
+        let process = q[0] * way + q[1] * nominal_turn.abs() + q[2] * dt;
+        let step = disturbance.step(dt);
+        let cov = carried(&disturbance, &step, on.state.cov, process, dt);
+        on.state.advance(&step);
+        on.state.cov = cov;
+        on.measured += S::constant(row.1 - before.1) - turn - model.bias_rad_s * (row.0 - before.0);
+        let sensor = q[3] + q[4] * w * w;
+        let difference = on.measured - on.state.mean[0];
+        let (log_likelihood, ordinary, variance) =
+            self.merge(&mut on.state, difference, sensor, process);
+        Innovation {
+            time_s: row.0,
+            weight: 1.0,
+            scalar: true,
+            ordinary,
+            log_likelihood,
+            difference: [difference, zero, zero],
+            covariance: [[variance, zero, zero], [zero; 3], [zero; 3]],
         }
     }
 

@@ -9,8 +9,9 @@ use super::mixture::{COMPONENTS, NEGLIGIBLE_NATS, PROBABILITY, PROCESS, SENSOR, 
 const LOG_ROOT_TAU: f64 = 0.918_938_533_204_672_7;
 
 /// State and covariance; `q` is what the process added since the last row.
-pub(super) struct State<S> {
-    pub(super) mean: [S; 3],
+#[derive(Clone)]
+pub(crate) struct State<S> {
+    pub(crate) mean: [S; 3],
     pub(super) p: Matrix3<S>,
     pub(super) q: Matrix3<S>,
 }

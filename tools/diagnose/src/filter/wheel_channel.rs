@@ -97,6 +97,78 @@ fn innovation<S: Scalar>(
     }
 }
 
+/// A channel on its way.
+#[derive(Clone)]
+pub(crate) struct On<S> {
+    pub(crate) state: Integrated<S>,
+    last_s: f64,
+}
+
+impl<S: Scalar> ChannelNoise<S> {
+    /// The filter behind the first row of a channel of angles.
+    pub(crate) fn begin(&self, first: &ChannelRow<S>) -> On<S> {
+        let zero = S::constant(0.0);
+        let sensor = self.sensor * self.sensor;
+        On {
+            state: Integrated {
+                mean: [first.rest, zero],
+                cov: [sensor + LEAST_VARIANCE, zero, self.disturbance().variance],
+            },
+            last_s: first.time_s,
+        }
+    }
+
+    /// Moves on to a row of angles and hears it.
+    pub(crate) fn hear_angle(&self, on: &mut On<S>, row: &ChannelRow<S>) -> Innovation<S> {
+        let sensor = self.sensor * self.sensor;
+        let disturbance = self.disturbance();
+        let h = row.time_s - std::mem::replace(&mut on.last_s, row.time_s);
+        let step = disturbance.step(S::constant(h));
+        let q = disturbance.noise(&step, S::constant(h));
+        on.state.advance(&step);
+        let [xx, xd, dd] = on.state.cov;
+        on.state.cov = [xx + q[0] + self.walk * self.walk * h, xd + q[1], dd + q[2]];
+        let shift = self.stamp_s * row.speed_rad_s;
+        let variance = on.state.cov[0] + sensor + shift * shift + LEAST_VARIANCE;
+        let difference = row.rest - on.state.mean[0];
+        on.state = on.state.updated(difference, variance);
+        innovation(row, self.tails, difference, variance)
+    }
+
+    /// Hears a row of speeds; the first one, too. The disturbance is the second entry of the state.
+    pub(crate) fn hear_speed(&self, on: &mut Option<On<S>>, row: &ChannelRow<S>) -> Innovation<S> {
+        let sensor = self.sensor * self.sensor;
+        let disturbance = self.disturbance();
+        let zero = S::constant(0.0);
+        let on = match on {
+            Some(on) => {
+                let h = row.time_s - std::mem::replace(&mut on.last_s, row.time_s);
+                let decay = disturbance.step(S::constant(h)).decay;
+                on.state.mean[1] *= decay;
+                on.state.cov[2] = on.state.cov[2] * decay * decay
+                    + disturbance.variance * (S::constant(1.0) - decay * decay);
+                on
+            }
+            None => on.insert(On {
+                state: Integrated {
+                    mean: [zero; 2],
+                    cov: [zero, zero, disturbance.variance],
+                },
+                last_s: row.time_s,
+            }),
+        };
+        let (d, p) = (&mut on.state.mean[1], &mut on.state.cov[2]);
+        let shift = self.stamp_s * row.speed_rad_s;
+        let variance = *p + sensor + shift * shift + LEAST_VARIANCE;
+        let difference = row.rest - *d;
+        let gain = *p / variance;
+        *d += gain * difference;
+        let taken = gain * *p;
+        *p -= taken;
+        innovation(row, self.tails, difference, variance)
+    }
+}
+
 /// Filters a channel of angles. `after` hears time and disturbance (rad/s) behind every row.
 pub(crate) fn angles<S: Scalar>(
     rows: impl Iterator<Item = ChannelRow<S>>,
@@ -104,36 +176,16 @@ pub(crate) fn angles<S: Scalar>(
     sink: &mut dyn FnMut(Innovation<S>),
     after: &mut dyn FnMut(f64, S),
 ) {
-    let sensor = noise.sensor * noise.sensor;
-    let zero = S::constant(0.0);
-    let disturbance = noise.disturbance();
-    let mut state = Integrated {
-        mean: [zero; 2],
-        cov: [sensor + LEAST_VARIANCE, zero, disturbance.variance],
-    };
-    let mut last_s = None;
+    let mut on: Option<On<S>> = None;
     for row in rows {
-        let Some(before_s) = last_s.replace(row.time_s) else {
-            state.mean[0] = row.rest;
-            after(row.time_s, state.mean[1]);
-            continue;
+        let own = match &mut on {
+            Some(own) => {
+                sink(noise.hear_angle(own, &row));
+                own
+            }
+            None => on.insert(noise.begin(&row)),
         };
-        let h = row.time_s - before_s;
-        let step = disturbance.step(S::constant(h));
-        let q = disturbance.noise(&step, S::constant(h));
-        state.advance(&step);
-        let [xx, xd, dd] = state.cov;
-        state.cov = [
-            xx + q[0] + noise.walk * noise.walk * h,
-            xd + q[1],
-            dd + q[2],
-        ];
-        let shift = noise.stamp_s * row.speed_rad_s;
-        let variance = state.cov[0] + sensor + shift * shift + LEAST_VARIANCE;
-        let difference = row.rest - state.mean[0];
-        sink(innovation(&row, noise.tails, difference, variance));
-        state = state.updated(difference, variance);
-        after(row.time_s, state.mean[1]);
+        after(row.time_s, own.state.mean[1]);
     }
 }
 
@@ -144,24 +196,14 @@ pub(crate) fn speeds<S: Scalar>(
     sink: &mut dyn FnMut(Innovation<S>),
     after: &mut dyn FnMut(f64, S),
 ) {
-    let sensor = noise.sensor * noise.sensor;
-    let disturbance = noise.disturbance();
-    let (mut d, mut p) = (S::constant(0.0), disturbance.variance);
-    let mut last_s = None;
+    let mut on = None;
     for row in rows {
-        if let Some(before_s) = last_s.replace(row.time_s) {
-            let decay = disturbance.step(S::constant(row.time_s - before_s)).decay;
-            d *= decay;
-            p = p * decay * decay + disturbance.variance * (S::constant(1.0) - decay * decay);
-        }
-        let shift = noise.stamp_s * row.speed_rad_s;
-        let variance = p + sensor + shift * shift + LEAST_VARIANCE;
-        let difference = row.rest - d;
-        sink(innovation(&row, noise.tails, difference, variance));
-        let gain = p / variance;
-        d += gain * difference;
-        p -= gain * p;
-        after(row.time_s, d);
+        sink(noise.hear_speed(&mut on, &row));
+        after(
+            row.time_s,
+            on.as_ref()
+                .map_or(S::constant(0.0), |own| own.state.mean[1]),
+        );
     }
 }
 

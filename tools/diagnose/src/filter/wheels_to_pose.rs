@@ -44,7 +44,7 @@ pub(crate) struct WheelsToPose<'a> {
 
 /// What is estimated of the robot and its reference.
 #[derive(Clone, Copy)]
-struct Physics<S> {
+pub(crate) struct Physics<S> {
     metres_per_rad: [S; 2],
     track_m: S,
     /// Tracked point from the middle of the axle (m), and measured minus true yaw (rad).
@@ -56,7 +56,7 @@ struct Physics<S> {
 
 /// Variances.
 #[derive(Clone, Copy)]
-struct Noise<S> {
+pub(crate) struct Noise<S> {
     along_per_m: S,
     across_per_m: S,
     yaw_per_m: S,
@@ -66,6 +66,16 @@ struct Noise<S> {
     place: S,
     yaw: S,
     stamp: S,
+}
+
+/// A filter on its way.
+#[derive(Clone)]
+pub(crate) struct On<S> {
+    pub(crate) state: State<S>,
+    /// When its last row was measured (s), and how far the wheels had turned by then (rad).
+    pub(crate) time_s: S,
+    pub(crate) angles: [S; 2],
+    hint: usize,
 }
 
 impl WheelsToPose<'_> {
@@ -93,37 +103,56 @@ impl WheelsToPose<'_> {
         let weight = 1.0 / self.series.len() as f64;
         for rows in self.series {
             let Some(first) = rows.first() else { continue };
-            let mut state = self.first(&physics, first);
-            let mut hint = 0;
-            let mut time_s = physics.time(first.0);
-            let mut angles = wheels.angles_at(time_s, &mut hint);
-            for (at, row) in rows.iter().enumerate() {
-                let mut rates = [S::constant(0.0); 2];
-                state.q = [[S::constant(0.0); 3]; 3];
-                if at > 0 {
-                    let next_s = physics.time(row.0);
-                    rates = self.travel(
-                        wheels,
-                        &physics,
-                        &noise,
-                        &mut state,
-                        time_s,
-                        next_s,
-                        &mut angles,
-                        &mut hint,
-                    );
-                    time_s = next_s;
-                }
-                let innovation = self.update(&physics, &noise, &mut state, row, rates, weight);
-                if at > 0 {
-                    sink(innovation);
-                }
-                seen(row.0, state.mean);
+            let mut on = self.begin(wheels, &physics, &noise, first);
+            seen(first.0, on.state.mean);
+            for row in &rows[1..] {
+                let innovation = self.hear(wheels, &physics, &noise, &mut on, row);
+                sink(Innovation {
+                    weight,
+                    ..innovation
+                });
+                seen(row.0, on.state.mean);
             }
         }
     }
 
-    fn physics<S: Scalar>(&self, p: &[S]) -> Physics<S> {
+    /// The filter behind the first row of a series.
+    pub(crate) fn begin<S: Scalar>(
+        &self,
+        wheels: &dyn Turned<S>,
+        physics: &Physics<S>,
+        noise: &Noise<S>,
+        first: &PoseRow,
+    ) -> On<S> {
+        let mut hint = 0;
+        let time_s = physics.time(first.0);
+        let mut on = On {
+            state: self.first(physics, first),
+            time_s,
+            angles: wheels.angles_at(time_s, &mut hint),
+            hint,
+        };
+        self.update(physics, noise, &mut on.state, first, [S::constant(0.0); 2]);
+        on
+    }
+
+    /// Moves on to a row and hears it.
+    pub(crate) fn hear<S: Scalar>(
+        &self,
+        wheels: &dyn Turned<S>,
+        physics: &Physics<S>,
+        noise: &Noise<S>,
+        on: &mut On<S>,
+        row: &PoseRow,
+    ) -> Innovation<S> {
+        on.state.q = [[S::constant(0.0); 3]; 3];
+        let next_s = physics.time(row.0);
+        let rates = self.travel(wheels, physics, noise, on, next_s);
+        on.time_s = next_s;
+        self.update(physics, noise, &mut on.state, row, rates)
+    }
+
+    pub(crate) fn physics<S: Scalar>(&self, p: &[S]) -> Physics<S> {
         Physics {
             metres_per_rad: [
                 p[0].exp() * self.wheel_radius_m,
@@ -165,18 +194,15 @@ impl WheelsToPose<'_> {
 
     /// Moves the state from one time to the next along arcs; returns speed (m/s) and turn rate
     /// (rad/s) of the last piece by the nominal geometry.
-    #[expect(clippy::too_many_arguments, reason = "one step of a filter")]
     fn travel<S: Scalar>(
         &self,
         wheels: &dyn Turned<S>,
         physics: &Physics<S>,
         noise: &Noise<S>,
-        state: &mut State<S>,
-        from_s: S,
+        on: &mut On<S>,
         to_s: S,
-        angles: &mut [S; 2],
-        hint: &mut usize,
     ) -> [S; 2] {
+        let from_s = on.time_s;
         let span_s = to_s - from_s;
         let longest_s = PIECE_S.max(self.wheel_interval_s);
         let pieces = (span_s.value() / longest_s).ceil().clamp(1.0, 1e5);
@@ -191,9 +217,9 @@ impl WheelsToPose<'_> {
         let mut rates = [S::constant(0.0); 2];
         for piece in 1..=(pieces as usize) {
             let t = from_s + span_s * (piece as f64 / pieces);
-            let next = wheels.angles_at(t, hint);
-            let turned = [next[0] - angles[0], next[1] - angles[1]];
-            *angles = next;
+            let next = wheels.angles_at(t, &mut on.hint);
+            let turned = [next[0] - on.angles[0], next[1] - on.angles[1]];
+            on.angles = next;
             let dt = span_s / pieces;
             let (nominal, arc) = (carried.nominal(turned), carried.arc(turned, dt));
             let mut q = [
@@ -208,7 +234,7 @@ impl WheelsToPose<'_> {
                 let [w, v] = nominal.rates(dt);
                 rates = [v, w];
             }
-            state.advance(arc, q);
+            on.state.advance(arc, q);
         }
         rates
     }
@@ -220,7 +246,6 @@ impl WheelsToPose<'_> {
         state: &mut State<S>,
         (time_s, z): &PoseRow,
         [v, w]: [S; 2],
-        weight: f64,
     ) -> Innovation<S> {
         let zero = S::constant(0.0);
         let (sin, cos) = (state.mean[2].sin(), state.mean[2].cos());
@@ -249,7 +274,7 @@ impl WheelsToPose<'_> {
         let covariance = row.covariance(0);
         Innovation {
             time_s: *time_s,
-            weight,
+            weight: 1.0,
             scalar: false,
             ordinary,
             log_likelihood,
@@ -280,7 +305,7 @@ impl<S: Scalar> Physics<S> {
     }
 }
 
-fn noise<S: Scalar>(logs: &[S]) -> Noise<S> {
+pub(crate) fn noise<S: Scalar>(logs: &[S]) -> Noise<S> {
     let variance = |i: usize| (logs[i] * 2.0).exp();
     Noise {
         along_per_m: variance(0),

@@ -268,6 +268,28 @@ impl DriveRun {
         })
     }
 
+    /// Noise of both channels.
+    pub(crate) fn noise<S: Scalar>(&self, at: &[S], tails: Tails) -> [ChannelNoise<S>; 2] {
+        let sizes: [S; NOISE] = std::array::from_fn(|i| at[DRIVE + i].exp());
+        let least = match self.wheels.kind {
+            WheelKind::Angle => self.wheels.rounding_rad,
+            WheelKind::Speed => LEAST_SPEED_RAD_S,
+        };
+        let times_s = self.times_s(at);
+        let sensor = ((sizes[6] * sizes[6] + least * least) * 0.5).sqrt();
+        [0, 1].map(|channel| {
+            let walk = sizes[3 * channel + 2];
+            ChannelNoise {
+                disturbance_rad_s: sizes[3 * channel],
+                time_s: times_s[channel],
+                walk: (walk * walk + LEAST_WALK * LEAST_WALK).sqrt(),
+                sensor,
+                stamp_s: sizes[7],
+                tails,
+            }
+        })
+    }
+
     /// Filters both channels. `after` hears channel, time and disturbance behind every row.
     pub(crate) fn filter<S: Scalar>(
         &self,
@@ -289,23 +311,7 @@ impl DriveRun {
             (row, rest, now.speed_rad_s)
         });
         let simulated: Vec<_> = simulated.collect();
-        let sizes: [S; NOISE] = std::array::from_fn(|i| at[DRIVE + i].exp());
-        let least = match self.wheels.kind {
-            WheelKind::Angle => self.wheels.rounding_rad,
-            WheelKind::Speed => LEAST_SPEED_RAD_S,
-        };
-        let times_s = self.times_s(at);
-        let sensor = ((sizes[6] * sizes[6] + least * least) * 0.5).sqrt();
-        for (channel, sign) in [1.0, -1.0].into_iter().enumerate() {
-            let walk = sizes[3 * channel + 2];
-            let noise = ChannelNoise {
-                disturbance_rad_s: sizes[3 * channel],
-                time_s: times_s[channel],
-                walk: (walk * walk + LEAST_WALK * LEAST_WALK).sqrt(),
-                sensor,
-                stamp_s: sizes[7],
-                tails,
-            };
+        for (channel, (sign, noise)) in [1.0, -1.0].into_iter().zip(self.noise(at, tails)).enumerate() {
             let half = |pair: &[S; 2]| (pair[0] + pair[1] * sign) * 0.5;
             let rows = simulated.iter().map(|(row, rest, speed)| ChannelRow {
                 time_s: row.time_s,

@@ -407,6 +407,20 @@ impl FromWheels {
         }
     }
 
+    pub(crate) fn gyro_filter<'a>(
+        &self,
+        series: &'a [Vec<(f64, f64)>],
+        robust: bool,
+    ) -> gyro_filter::Gyro<'a> {
+        gyro_filter::Gyro {
+            series,
+            wheel_radius_m: self.wheel_radius_m,
+            half_track_m: self.half_track_m,
+            knots: self.knots[0],
+            robust,
+        }
+    }
+
     /// The same machine with poses as dense as they are; `None` where they are too many.
     pub(crate) fn dense(&self) -> Option<Self> {
         let mut dense = self.clone();

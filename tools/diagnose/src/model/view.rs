@@ -17,7 +17,6 @@ use crate::estimate::pairs::{self, Share, Side};
 use crate::estimate::whitened::Whitened;
 use crate::estimate::{BlockScore, Likelihood};
 use crate::filter::Innovation;
-use crate::filter::gyro::Gyro;
 use crate::filter::wheels_to_pose;
 
 /// Its likelihood, with or without outliers.
@@ -47,13 +46,7 @@ impl View<'_> {
             }
             Reference::Gyro => {
                 if let Some(gyro) = &run.gyro {
-                    let filter = Gyro {
-                        series: &gyro.series,
-                        wheel_radius_m: self.machine.wheel_radius_m,
-                        half_track_m: self.machine.half_track_m,
-                        knots: self.machine.knots[0],
-                        robust: self.robust,
-                    };
+                    let filter = self.machine.gyro_filter(&gyro.series, self.robust);
                     run.wheels.turned(drive_parameters(local), |wheels| {
                         filter.run(wheels, &gyro_parameters(local), sink);
                     });

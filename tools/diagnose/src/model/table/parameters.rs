@@ -73,6 +73,11 @@ impl Table {
         self.weights.len()
     }
 
+    /// Variance by which two recordings of one unchanged machine differ in a parameter.
+    pub(crate) fn repeats(&self, parameter: usize) -> f64 {
+        self.repeatability[parameter]
+    }
+
     pub(crate) fn find(&self, key: &Key) -> Option<usize> {
         self.keys.iter().position(|own| own == key)
     }

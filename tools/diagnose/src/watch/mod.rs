@@ -1,0 +1,18 @@
+//! What changed while a robot drives: since when, what, and how much.
+
+mod alarm;
+mod bank;
+mod calibration;
+mod change;
+mod evidence;
+mod hypotheses;
+mod kinematic;
+mod learnt;
+mod linear;
+mod robot;
+mod session;
+mod silence;
+mod statistic;
+
+pub use alarm::State;
+pub use session::{Change, Event, Question, Watch};

@@ -1,0 +1,265 @@
+//! One robot that is watched: its rows, its filters, and what they say of each onset.
+
+use nalgebra::{DMatrix, DVector};
+use slipstream_bus::RobotModel;
+use slipstream_recording::recording::Robot;
+
+use super::bank::{Bank, ONSET_STEP_S, Onset};
+use super::calibration::{Calibration, Course, course};
+use super::hypotheses::{self, Hypotheses, Hypothesis};
+use super::kinematic::Kinematic;
+use super::learnt::Learnt;
+use super::statistic::{Known, Tested, test};
+use crate::data::feed::{Feed, Habits, Oddity};
+use crate::explain::kinematic::Baseline;
+use crate::select::criterion::TIE_NATS;
+
+/// Least time since an onset (s): what shows within less is a row or two.
+const LEAST_S: f64 = 1.0;
+/// A robot wanders within a run by this share of the deviation between recordings.
+const WITHIN_RUN: f64 = 0.25;
+/// Onsets older than this (s) are looked at every eighth of their age.
+const YOUNG_S: f64 = 4.0;
+/// Precision (s²/rad²) with which a bias of a gyro stays as it was before an onset.
+const BIAS: f64 = 1.0 / (1e-3 * 1e-3);
+
+/// What was found: since when (s), and what.
+#[derive(Debug, Clone)]
+pub(super) struct Found {
+    pub(super) onset_s: f64,
+    pub(super) hypothesis: usize,
+    pub(super) tested: Tested,
+    /// Effects that fit as well.
+    pub(super) alike: Vec<&'static str>,
+}
+
+/// One robot.
+pub(super) struct Watched {
+    pub(super) name: String,
+    /// The model by which rows are read, and the one with everything that the baseline showed.
+    model: RobotModel,
+    pub(super) improved: RobotModel,
+    pub(super) feed: Feed,
+    filters: Kinematic,
+    bank: Bank,
+    pub(super) hypotheses: Hypotheses,
+    calibration: Calibration,
+    /// Where parameters were when the bank began.
+    known: Known,
+    bias: Option<usize>,
+    next_s: f64,
+    /// What a factor has to reach (nats).
+    least: f64,
+}
+
+impl Watched {
+    /// A robot like that of the baseline, whose runs, cut into pieces, are `runs`; `None` where these say nothing.
+    pub(super) fn new(
+        name: &str,
+        model: &RobotModel,
+        baseline: Baseline,
+        (habits, excluded): (Habits, &[String]),
+        runs: &[Vec<Robot>],
+    ) -> Option<Self> {
+        let improved = baseline.model.clone();
+        let learnt = Learnt::new(baseline);
+        let (hypotheses, bias) = (hypotheses::all(&learnt, excluded), learnt.bias());
+        let parameters = learnt.parameters.len();
+        let (mut filters, sources) = Kinematic::new(learnt);
+        let mut bank = Bank::new(parameters, sources);
+        let courses: Vec<Course> = runs
+            .iter()
+            .map(|pieces| {
+                let mut feed = Feed::new(habits);
+                let mut pieces = pieces.iter();
+                course(&mut filters, &mut bank, |filters, bank| {
+                    feed.take(pieces.next()?, model);
+                    filters.hear(&mut feed, bank);
+                    Some(feed.now_s)
+                })
+            })
+            .collect();
+        let calibration = Calibration::new(&courses, &hypotheses)?;
+        let mut own = Self {
+            name: name.to_owned(),
+            model: model.clone(),
+            improved,
+            feed: Feed::new(habits),
+            filters,
+            bank,
+            known: calibration.known.clone(),
+            hypotheses,
+            calibration,
+            bias,
+            next_s: 0.0,
+            least: f64::INFINITY,
+        };
+        own.widen(habits, runs);
+        own.known = between(&own.calibration.known, &own.hypotheses.repeats, 1.0);
+        Some(own)
+    }
+
+    /// Over everything that is watched, one false alarm in so many looks is let pass.
+    pub(super) fn expect(&mut self, looks: f64) {
+        self.least = (looks * self.hypotheses.all.len().max(1) as f64).ln();
+    }
+
+    /// What the baseline itself would be called is none.
+    fn widen(&mut self, habits: Habits, runs: &[Vec<Robot>]) {
+        let mut most = vec![0.0_f64; self.hypotheses.all.len()];
+        self.expect(FALSE_ALARM_LOOKS);
+        for pieces in runs {
+            self.feed = Feed::new(habits);
+            self.restart(self.calibration.known.clone());
+            self.filters.restart();
+            for piece in pieces {
+                self.feed.take(piece, &self.model);
+                self.filters.hear(&mut self.feed, &mut self.bank);
+                if !self.is_due() {
+                    continue;
+                }
+                for (_, hypothesis, tested) in self.tests() {
+                    most[hypothesis] = most[hypothesis].max(tested.factor / self.least);
+                }
+                self.open();
+            }
+        }
+        for (hypothesis, times) in most.into_iter().enumerate() {
+            if times > 1.0 {
+                self.calibration.widen(hypothesis, times);
+            }
+        }
+        self.feed = Feed::new(habits);
+        self.filters.restart();
+        self.bank.clear();
+        self.next_s = 0.0;
+    }
+
+    /// Hears a piece; what was odd about its rows.
+    pub(super) fn hear(&mut self, piece: &Robot) -> Vec<Oddity> {
+        let odd = self.feed.take(piece, &self.model);
+        if self.bank.onsets.is_empty() && self.feed.now_s.is_finite() {
+            self.bank.open(0.0);
+        }
+        self.filters.hear(&mut self.feed, &mut self.bank);
+        odd
+    }
+
+    /// The last stamp, counted from the first one (s).
+    pub(super) fn now_s(&self) -> f64 {
+        self.feed.now_s
+    }
+
+    /// Whether it is time for a look.
+    pub(super) fn is_due(&self) -> bool {
+        self.feed.now_s >= self.next_s
+    }
+
+    /// From now on something may have changed.
+    pub(super) fn open(&mut self) {
+        self.bank.open(self.feed.now_s);
+        self.next_s = self.feed.now_s + ONSET_STEP_S;
+    }
+
+    /// Nothing changed since now, and the parameters are known so.
+    fn restart(&mut self, known: Known) {
+        self.bank.clear();
+        self.known = known;
+        self.bank.open(if self.feed.now_s.is_finite() {
+            self.feed.now_s
+        } else {
+            0.0
+        });
+    }
+
+    /// What changed is what is from now on.
+    pub(super) fn absorb(&mut self, onset_s: f64) {
+        let mut onsets = self.bank.onsets.iter();
+        let own = onsets.find(|own| own.t_s >= onset_s).or(self.bank.onsets.front());
+        let wide = DMatrix::from_diagonal(&DVector::from_column_slice(&self.hypotheses.wide));
+        let known = own.and_then(|own| {
+            let wide = Known {
+                mean: self.known.mean.clone(),
+                covariance: wide,
+            };
+            wide.with(&own.sum, self.calibration.share())
+        });
+        self.restart(known.unwrap_or_else(|| self.known.clone()));
+    }
+
+    /// Where parameters were before an onset.
+    fn before(&self, onset: &Onset, is_first: bool) -> Known {
+        if is_first {
+            return self.known.clone();
+        }
+        let known = self.known.with(&onset.before, self.calibration.share());
+        let known = known.unwrap_or_else(|| self.known.clone());
+        between(&known, &self.hypotheses.repeats, WITHIN_RUN * WITHIN_RUN)
+    }
+
+    /// All tests of onsets that are due: the onset (s), the number of the hypothesis, and what it is worth.
+    fn tests(&self) -> Vec<(f64, usize, Tested)> {
+        let now_s = self.feed.now_s;
+        let mut all = Vec::new();
+        for (number, onset) in self.bank.onsets.iter().enumerate() {
+            let age_s = now_s - onset.t_s;
+            let looks_in = ((now_s / ONSET_STEP_S) as u64) % ((age_s / YOUNG_S).max(1.0) as u64);
+            if age_s < LEAST_S || looks_in != 0 {
+                continue;
+            }
+            let known = self.before(onset, number == 0);
+            for (hypothesis, own) in self.hypotheses.all.iter().enumerate() {
+                let dispersion = self.calibration.of(hypothesis, age_s);
+                let nuisance = self.bias.map(|bias| (bias, BIAS));
+                if let Some(tested) = test(own, &onset.sum, &known, dispersion, nuisance) {
+                    all.push((onset.t_s, hypothesis, tested));
+                }
+            }
+        }
+        all
+    }
+
+    /// What changed, if anything did.
+    pub(super) fn look(&self) -> Option<Found> {
+        let all = self.tests();
+        let scored = all.into_iter().map(|(onset_s, hypothesis, tested)| {
+            let factor = tested.factor - self.hypotheses.all[hypothesis].cost;
+            (onset_s, hypothesis, tested, factor)
+        });
+        let scored: Vec<(f64, usize, Tested, f64)> = scored.collect();
+        let seen = scored.iter().filter(|own| own.3 > self.least);
+        let best = seen.max_by(|a, b| a.3.total_cmp(&b.3))?;
+        let (onset_s, hypothesis, ref tested, factor) = *best;
+        let effect = self.hypotheses.all[hypothesis].effect;
+        let alike = scored.iter().filter(|own| own.3 > factor - TIE_NATS);
+        let mut alike: Vec<&'static str> = alike
+            .map(|own| self.hypotheses.all[own.1].effect)
+            .filter(|own| *own != effect)
+            .collect();
+        alike.sort_unstable();
+        alike.dedup();
+        Some(Found {
+            onset_s,
+            hypothesis,
+            tested: tested.clone(),
+            alike,
+        })
+    }
+
+    /// The hypothesis of what was found.
+    pub(super) fn hypothesis(&self, found: &Found) -> &Hypothesis {
+        &self.hypotheses.all[found.hypothesis]
+    }
+}
+
+/// Looks within ten hours.
+pub(super) const FALSE_ALARM_LOOKS: f64 = 10.0 * 3600.0 / ONSET_STEP_S;
+
+/// Known to this share of the variances among recordings, besides.
+fn between(known: &Known, repeats: &[f64], share: f64) -> Known {
+    let repeats = DVector::from_iterator(repeats.len(), repeats.iter().map(|own| own * share));
+    Known {
+        mean: known.mean.clone(),
+        covariance: &known.covariance + DMatrix::from_diagonal(&repeats),
+    }
+}
