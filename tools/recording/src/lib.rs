@@ -64,6 +64,7 @@ mod csv_folder;
 mod decode;
 mod error;
 mod field;
+mod follow;
 mod foreign_bag;
 mod foreign_csv;
 mod git_lfs;
@@ -74,6 +75,7 @@ mod mend;
 mod mended;
 mod open;
 pub mod output;
+mod pieces;
 pub mod recording;
 pub mod robot_file;
 mod ros;
@@ -92,6 +94,7 @@ pub use compare::{Channel, CompareError, compare, interpolate};
 pub use csv_folder::{read_folder, write_folder};
 pub use error::{Error, Result};
 pub use field::Field;
+pub use follow::{Followed, Follower, next_part};
 pub use foreign_bag::{TopicMap, WheelJoints};
 pub use foreign_csv::ColumnMap;
 pub use import::{Import, Spooled};
@@ -103,6 +106,7 @@ pub use open::{
     Map, describe_robot, describe_robots, draft_map, read, read_mapped, read_mapped_from,
     read_spooled,
 };
+pub use pieces::Pieces;
 pub use recording::Recording;
 pub use rows::Disk;
 pub use slipstream_bus::InputError;
