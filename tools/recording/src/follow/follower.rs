@@ -164,6 +164,9 @@ impl<'a> Follower<'a> {
 
     /// Passes on what is left.
     pub fn finish(&mut self) {
+        if self.has_failed {
+            return;
+        }
         if self.own.is_none() && (!self.is_learnt || !self.kept.is_empty()) {
             self.learn(true);
         }
