@@ -126,6 +126,7 @@ impl ForeignFlow {
         if self.map.is_none() && !new.sources.is_empty() {
             notes.insert(0, format!("guessed topics:\n{}", new.to_text()));
         }
+        notes.extend(awaited(&found, &topics));
         // What stood still so far may move later.
         for topic in topics.iter_mut().filter(|own| !is_static(own)) {
             let frames = topic.frames.values_mut();
@@ -218,4 +219,11 @@ impl ForeignFlow {
 
 fn is_static(topic: &Topic) -> bool {
     topic.channel.topic.ends_with("tf_static")
+}
+
+/// What a map names and nothing has sent yet, if anything.
+fn awaited(map: &TopicMap, topics: &[Topic]) -> Option<String> {
+    let mut names = map.topics();
+    names.retain(|name| topics.iter().all(|own| own.channel.topic != *name));
+    (!names.is_empty()).then(|| format!("no messages yet of {}", names.join(", ")))
 }
