@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use slipstream_bus::InputError;
 
+use super::chain::Chain;
 use super::clock::Clock;
 use super::description::{InBag, WheelNames, descriptions};
 use super::guess::guess;
@@ -19,6 +20,7 @@ use super::topic_map::TopicMap;
 use crate::bag::{Bag, ChannelInfo, VisitResult};
 use crate::recording::Recording;
 use crate::rows::{Disk, SpooledRecording};
+use crate::table::StreamKind;
 
 /// The streams of a bag that does not end.
 pub(crate) struct ForeignFlow {
@@ -190,14 +192,12 @@ impl ForeignFlow {
         recording
     }
 
-    /// The streams of a map that are not read yet, and whose topics are there.
+    /// The streams of a map that are not read yet, and whose topics and transforms are there.
     fn new_sources(&self, found: &TopicMap, topics: &[Topic]) -> Vec<Source> {
-        let is_there = |name: &str| topics.iter().any(|own| own.channel.topic == name);
         let known = &self.known.sources;
         let is_new = |new: &&Source| {
             let mut all = known.iter();
-            all.all(|own| (&own.robot, own.kind) != (&new.robot, new.kind))
-                && new.topics().iter().all(|name| is_there(name))
+            all.all(|own| (&own.robot, own.kind) != (&new.robot, new.kind)) && is_there(new, topics)
         };
         found.sources.iter().filter(is_new).cloned().collect()
     }
@@ -215,6 +215,21 @@ impl ForeignFlow {
         let remedy = format!("name one of: {}", names.join(", "));
         InputError::file(&self.path, problem, remedy)
     }
+}
+
+/// Whether the topics of a stream are there; of a pose from transforms, those that lead to it.
+fn is_there(source: &Source, topics: &[Topic]) -> bool {
+    let topic = |name: &str| topics.iter().find(|own| own.channel.topic == name);
+    let has_pose = || {
+        let ends = (&source.selector.parent, &source.selector.frame);
+        let (Some(parent), Some(frame), Some(topic)) = (ends.0, ends.1, topic(&source.topic))
+        else {
+            return true;
+        };
+        !topic.has_transforms() || Chain::find(topics, &source.topic, parent, frame).is_some()
+    };
+    let are_all = source.topics().iter().all(|name| topic(name).is_some());
+    are_all && (source.kind != StreamKind::Pose || has_pose())
 }
 
 fn is_static(topic: &Topic) -> bool {
