@@ -12,7 +12,8 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use common::{LONG, Rows, assert_same, hear_until, rows};
+use common::rows_of::Rows;
+use common::{LONG, assert_same, hear_until, rows};
 use serde_json::json;
 use slipstream_live::Server;
 use slipstream_live::source::{Bridge, Heard, Source as _};

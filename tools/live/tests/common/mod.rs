@@ -14,9 +14,9 @@ use slipstream_live::source::{Heard, Source};
 use slipstream_recording::Recording;
 
 #[path = "../../../recording/tests/external/rows.rs"]
-mod rows_of;
+pub(crate) mod rows_of;
 
-pub(crate) use rows_of::{Rows, assert_same, rows};
+pub(crate) use rows_of::{assert_same, rows};
 
 /// Longer than any machine needs.
 pub(crate) const LONG: Duration = Duration::from_secs(120);
