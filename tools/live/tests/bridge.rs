@@ -173,7 +173,7 @@ fn what_is_no_bridge_is_refused_in_one_line() {
         let _ = stream.write_all(b"HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n");
     });
     let raw = listen(|mut stream| {
-        let bytes: Vec<u8> = (0..100_000_u32).map(|i| (i * 7919 >> 3) as u8).collect();
+        let bytes: Vec<u8> = (0..100_000_u32).map(|i| ((i * 7919) >> 3) as u8).collect();
         let _ = stream.write_all(&bytes);
     });
     let silent = listen(|stream| {

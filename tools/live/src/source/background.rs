@@ -78,14 +78,14 @@ impl Outlet {
     pub(super) fn followed(&self, followed: Followed) {
         self.put(match followed {
             Followed::Rows(recording) => Ok(Heard::Rows(*recording)),
-            Followed::Note(note) => Ok(Heard::Said(note)),
+            Followed::Note(note) => Ok(Heard::Said(one_line(&note))),
             Followed::Failed(error) => Err(error),
         });
     }
 
-    /// Says something to the user.
-    pub(super) fn say(&self, text: String) {
-        self.put(Ok(Heard::Said(text)));
+    /// Says something to the user, in one line.
+    pub(super) fn say(&self, text: &str) {
+        self.put(Ok(Heard::Said(one_line(text))));
     }
 
     /// Ends with an error.
@@ -115,4 +115,9 @@ impl Outlet {
             self.should_end.store(true, Ordering::Relaxed);
         }
     }
+}
+
+/// A text may come from elsewhere: it stays one line, and writes nothing but itself to a terminal.
+fn one_line(text: &str) -> String {
+    text.replace(|c: char| c.is_control(), " ")
 }

@@ -1,6 +1,6 @@
 //! A robot's bridge: a server of Foxglove's WebSocket protocol, such as `foxglove_bridge`, or a run that is shown live.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -19,6 +19,13 @@ use crate::server::{HEADER, HEADER_TEXT};
 const PAUSES: [Duration; 2] = [Duration::from_millis(200), Duration::from_secs(5)];
 /// How often what arrived is passed on.
 const PASSING_ON: Duration = Duration::from_millis(500);
+/// So long a text of a server is said at most (characters), and so many of them are.
+const MOST_SAID: usize = 200;
+const MOST_TEXTS: usize = 20;
+/// So many topics that are of no use are named.
+const MOST_NAMED: usize = 8;
+/// So many topics of a connection are subscribed to.
+const MOST_SUBSCRIPTIONS: usize = 4096;
 /// After so long without a topic of use, this is said.
 const TOPICS_WITHIN: Duration = Duration::from_secs(5);
 
@@ -61,6 +68,8 @@ impl Bridge {
                 pause: PAUSES[0],
                 has_said_garbled: false,
                 has_said_useless: false,
+                useless: Vec::new(),
+                texts: BTreeSet::new(),
             };
             link.run(first);
         })?;
@@ -90,6 +99,10 @@ struct Link<'a> {
     pause: Duration,
     has_said_garbled: bool,
     has_said_useless: bool,
+    /// Some of the topics that are of no use, with their types and encodings.
+    useless: Vec<String>,
+    /// What the server said.
+    texts: BTreeSet<String>,
 }
 
 /// What is subscribed to on one connection.
@@ -132,7 +145,7 @@ impl Link<'_> {
 
     fn say(&self, text: &str) {
         let (host, port) = (&self.host, self.port);
-        self.outlet.say(format!("ws://{host}:{port}: {text}"));
+        self.outlet.say(&format!("ws://{host}:{port}: {text}"));
     }
 
     /// Listens until the connection is lost; says why. Nothing, if nobody wants to hear more.
@@ -161,7 +174,13 @@ impl Link<'_> {
                 && !self.has_said_useless
             {
                 self.has_said_useless = true;
-                self.say("announces no topic that tells of a robot's motion; waiting for one");
+                let named = match self.useless.as_slice() {
+                    [] => String::new(),
+                    names => format!(" (but {})", names.join(", ")),
+                };
+                self.say(&format!(
+                    "announces no topic that tells of a robot's motion{named}; waiting for one"
+                ));
             }
         }
         None
@@ -176,7 +195,7 @@ impl Link<'_> {
                     Frame::Server { name } if !name.is_empty() => self.follower.set_name(&name),
                     Frame::Advertised(channels) => return self.advertised(channels, subscriptions),
                     Frame::Withdrawn(ids) => subscriptions.withdraw(&ids),
-                    Frame::Status(said) => self.say(&format!("says: {}", one_line(&said))),
+                    Frame::Status(said) => self.status(&said),
                     _ => {}
                 }
             }
@@ -212,6 +231,14 @@ impl Link<'_> {
         }
     }
 
+    /// Passes on what the server says, once.
+    fn status(&mut self, said: &str) {
+        let said: String = said.chars().take(MOST_SAID).collect();
+        if self.texts.len() < MOST_TEXTS && self.texts.insert(said.clone()) {
+            self.say(&format!("says: {said}"));
+        }
+    }
+
     fn garbled(&mut self, garbled: frame::Garbled) {
         if !self.has_said_garbled {
             self.has_said_garbled = true;
@@ -243,10 +270,17 @@ impl Link<'_> {
                 schema: channel.schema.as_bytes(),
                 metadata: &channel.metadata,
             };
-            if let Some(topic) = self.follower.announced(&announced)
-                && let Some(number) = subscriptions.add(channel.id, topic)
-            {
-                wished.push(json!({"id": number, "channelId": channel.id}));
+            match self.follower.announced(&announced) {
+                Some(topic) => {
+                    let number = subscriptions.add(channel.id, topic);
+                    wished.extend(number.map(|id| json!({"id": id, "channelId": channel.id})));
+                }
+                None if self.useless.len() < MOST_NAMED => {
+                    let (topic, schema) = (&channel.topic, &channel.schema_name);
+                    let text = format!("{topic}: {schema}, {}", channel.encoding);
+                    self.useless.push(text);
+                }
+                None => {}
             }
         }
         let wish = json!({"op": "subscribe", "subscriptions": wished});
@@ -264,18 +298,11 @@ fn schema_encoding<'a>(channel: &'a Channel<'_>) -> &'a str {
     }
 }
 
-/// So long a text of a server is said at most (characters).
-const MOST_SAID: usize = 200;
-
-fn one_line(text: &str) -> String {
-    let line = text.chars().take(MOST_SAID);
-    line.map(|c| if c.is_control() { ' ' } else { c }).collect()
-}
-
 impl Subscriptions {
-    /// The number of a new subscription; none if the channel has one.
+    /// The number of a new subscription; none if the channel has one, or there are too many.
     fn add(&mut self, channel: u64, topic: u32) -> Option<u32> {
-        if self.numbers.contains_key(&channel) {
+        let is_full = self.numbers.len() >= MOST_SUBSCRIPTIONS;
+        if is_full || self.numbers.contains_key(&channel) {
             return None;
         }
         let number = self.next;

@@ -114,7 +114,7 @@ impl Bag<'_, '_> {
                 Over::BegunAnew => {
                     let name = part.display();
                     self.outlet
-                        .say(format!("{name}: begun anew; read from its beginning"));
+                        .say(&format!("{name}: begun anew; read from its beginning"));
                     Some(part)
                 }
                 _ => self.after(&part)?,
@@ -143,7 +143,7 @@ impl Bag<'_, '_> {
         let waiting = Waiting::new(file, self.outlet, &mut idle, &mut over);
         let loss = Follower::read(self.follower, BufReader::new(waiting), part)?;
         if loss.any() && !self.is_over() && over != Over::BegunAnew {
-            self.outlet.say(format!("{}: {loss}", part.display()));
+            self.outlet.say(&format!("{}: {loss}", part.display()));
         }
         Ok(over)
     }

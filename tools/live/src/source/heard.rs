@@ -16,7 +16,7 @@ pub enum Heard {
     /// session; rows of a stream are in the order of time, but a piece may begin before the end of the one before it, where
     /// clocks went back. A stream without new rows is empty.
     Rows(Recording),
-    /// One line for the user: a guess, a connection that was lost, what is odd. Guesses have more lines.
+    /// One line for the user: a guess, a connection that was lost, what is odd.
     Said(String),
     /// Nothing within the time.
     Nothing,

@@ -110,8 +110,11 @@ impl<'a> Follower<'a> {
         self.channel(&ChannelInfo::from(channel))
     }
 
-    /// A text that describes the recording: `recording.toml` or `robot.toml`.
+    /// A text that describes the recording: `recording.toml` or `robot.toml`. Others are left out.
     pub fn described(&mut self, name: &str, text: &str) {
+        if ![topics::DESCRIPTION, topics::MODEL].contains(&name) {
+            return;
+        }
         self.texts.retain(|(known, _)| known != name);
         self.texts.push((name.to_owned(), text.to_owned()));
         if let Some(own) = &mut self.own {
@@ -207,9 +210,7 @@ impl<'a> Follower<'a> {
                     }
                 }
                 Item::Attachment { name, data } => {
-                    if [topics::DESCRIPTION, topics::MODEL].contains(&name) {
-                        follower.described(name, &String::from_utf8_lossy(data));
-                    }
+                    follower.described(name, &String::from_utf8_lossy(data));
                 }
                 Item::Metadata { name } if name == topics::FILE_METADATA => follower.become_own(),
                 Item::Metadata { .. } | Item::Unwanted { .. } => {}

@@ -126,9 +126,15 @@ impl ForeignFlow {
             return Ok(Learning::Nothing(self.nothing(&found, &topics, guessed)));
         }
         if self.map.is_none() && !new.sources.is_empty() {
-            notes.insert(0, format!("guessed topics:\n{}", new.to_text()));
+            let sources = new.sources.iter().map(in_words);
+            let sources: Vec<String> = sources.collect();
+            let text = format!(
+                "guessed topics: {}; to correct it: --topics",
+                sources.join(", ")
+            );
+            notes.insert(0, text);
         }
-        notes.extend(awaited(&found, &topics));
+        notes.extend(self.awaited(&found, &topics));
         // What stood still so far may move later.
         for topic in topics.iter_mut().filter(|own| !is_static(own)) {
             let frames = topic.frames.values_mut();
@@ -202,6 +208,14 @@ impl ForeignFlow {
         found.sources.iter().filter(is_new).cloned().collect()
     }
 
+    /// What a map names and nothing has sent yet, if anything.
+    fn awaited(&self, map: &TopicMap, topics: &[Topic]) -> Option<String> {
+        let is_there = |name: &str| topics.iter().any(|own| own.channel.topic == name);
+        let mut names = map.topics();
+        names.retain(|name| !self.surveyed.contains(*name) && !is_there(name));
+        (!names.is_empty()).then(|| format!("no messages yet of {}", names.join(", ")))
+    }
+
     /// Why no stream is known.
     fn nothing(&self, found: &TopicMap, topics: &[Topic], guessed: InputError) -> InputError {
         if self.map.is_none() || topics.is_empty() {
@@ -236,9 +250,8 @@ fn is_static(topic: &Topic) -> bool {
     topic.channel.topic.ends_with("tf_static")
 }
 
-/// What a map names and nothing has sent yet, if anything.
-fn awaited(map: &TopicMap, topics: &[Topic]) -> Option<String> {
-    let mut names = map.topics();
-    names.retain(|name| topics.iter().all(|own| own.channel.topic != *name));
-    (!names.is_empty()).then(|| format!("no messages yet of {}", names.join(", ")))
+/// A stream and where it comes from.
+fn in_words(source: &Source) -> String {
+    let (robot, kind) = (&source.robot, source.kind.name());
+    format!("{robot}/{kind} from {}", source.topics().join(" and "))
 }
