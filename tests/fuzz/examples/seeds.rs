@@ -115,6 +115,31 @@ fn main() {
     texts(&run);
     robots();
     processes(&resolved, &run);
+    bridge_frames();
+}
+
+/// Frames as bridges send them.
+fn bridge_frames() {
+    let texts = [
+        (
+            "server",
+            r#"{"op":"serverInfo","name":"robot","capabilities":["time"],"supportedEncodings":["cdr"],"metadata":{"a":"b"}}"#,
+        ),
+        (
+            "advertise",
+            r#"{"op":"advertise","channels":[{"id":1,"topic":"/odom","encoding":"cdr","schemaName":"nav_msgs/msg/Odometry","schemaEncoding":"ros2msg","schema":"std_msgs/Header header\n","metadata":{"stream":"r1/odometry"}}]}"#,
+        ),
+        ("unadvertise", r#"{"op":"unadvertise","channelIds":[1,2]}"#),
+        (
+            "status",
+            r#"{"op":"status","level":2,"message":"no such channel"}"#,
+        ),
+    ];
+    for (name, text) in texts {
+        seed("bridge_frame", name, text.as_bytes());
+    }
+    let message = [&[1, 7, 0, 0, 0][..], &5_u64.to_le_bytes(), b"message"].concat();
+    seed("bridge_frame", "message", &message);
 }
 
 /// Writes a seed.

@@ -11,6 +11,7 @@
     reason = "a target reports a property that does not hold by a panic"
 )]
 
+mod bridge;
 mod messages;
 pub mod mutate;
 mod one_line;
@@ -33,7 +34,7 @@ pub struct Target {
 }
 
 /// All targets.
-pub const TARGETS: [Target; 27] = [
+pub const TARGETS: [Target; 28] = [
     target("mcap", recordings::mcap),
     target("bag", recordings::bag),
     target("ros1_bag", recordings::bag),
@@ -59,6 +60,7 @@ pub const TARGETS: [Target; 27] = [
     target("record_chunk", postcard_data::record_chunk),
     target("reports", postcard_data::reports),
     target("host_frame", postcard_data::host_frame),
+    target("bridge_frame", bridge::frame),
     target("trace_chunk", postcard_data::trace_chunk),
     target("trace_buffer", postcard_data::trace_buffer),
 ];

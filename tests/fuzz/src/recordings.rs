@@ -1,10 +1,11 @@
 //! Recordings: MCAP files, bags of other robots, folders of CSV files.
 
+use std::cell::RefCell;
 use std::path::Path;
 
 use slipstream_recording::{
-    ColumnMap, Map, TopicMap, check, draft_map, mcap_bytes, read_folder, read_mapped,
-    read_mapped_from, read_mcap_from, write_folder,
+    ColumnMap, Followed, Follower, Map, TopicMap, check, draft_map, mcap_bytes, read_folder,
+    read_mapped, read_mapped_from, read_mcap_from, write_folder,
 };
 
 use crate::one_line::assert_one_line;
@@ -13,6 +14,7 @@ use crate::scratch;
 /// An MCAP file of slipstream.
 pub(crate) fn mcap(bytes: &[u8]) {
     let path = Path::new("fuzz.mcap");
+    follow(bytes, path, None);
     let import = match read_mcap_from(bytes, bytes.len() as u64, path) {
         Ok(import) => import,
         Err(error) => return assert_one_line(&error),
@@ -49,6 +51,22 @@ pub(crate) fn bag(bytes: &[u8]) {
             }
             Err(error) => assert_one_line(&error),
         }
+        follow(bytes, path, map);
+    }
+}
+
+/// An MCAP file as if it were still being recorded.
+fn follow(bytes: &[u8], path: &Path, map: Option<&TopicMap>) {
+    let sink = |followed| match followed {
+        Followed::Rows(piece) => drop(mcap_bytes(&piece, path).expect("it can be written")),
+        Followed::Note(_) => {}
+        Followed::Failed(error) => assert_one_line(&error),
+    };
+    let follower = Follower::new(path, map.cloned(), Vec::new(), sink);
+    let follower = RefCell::new(follower);
+    match Follower::read(&follower, bytes, path) {
+        Ok(_) => follower.borrow_mut().finish(),
+        Err(error) => assert_one_line(&error),
     }
 }
 

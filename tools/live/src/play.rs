@@ -68,6 +68,10 @@ impl Listener for Topics<'_> {
         self.0.announced(channel);
     }
 
+    fn described(&mut self, name: &str, text: &str) {
+        self.0.described(name, text);
+    }
+
     fn message(&mut self, _: &str, _: u64, _: &[u8]) {}
 }
 

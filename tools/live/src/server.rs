@@ -16,6 +16,10 @@ use slipstream_recording::{Announced, Listener};
 
 /// Messages that are kept for a viewer that is slow: more than a run of some minutes has in a second.
 const BACKLOG: usize = 1 << 16;
+/// Topics without messages whose metadata have a text that describes the recording: `/slipstream/recording.toml`.
+pub(crate) const HEADER: &str = "/slipstream/";
+/// The key of that text.
+pub(crate) const HEADER_TEXT: &str = "text";
 /// How long a viewer has to take the last messages before the server ends.
 const LAST_WORDS: Duration = Duration::from_millis(300);
 
@@ -76,20 +80,21 @@ impl Server {
         self.subscriptions.0.load(Ordering::Relaxed)
     }
 
-    /// Announces a topic: encoding of its messages, name, encoding and text of their schema.
-    pub fn announce(&mut self, topic: &str, encoding: &str, schema: [&str; 2], text: &[u8]) {
-        if self.channels.contains_key(topic) {
+    /// Announces a topic.
+    pub fn announce(&mut self, own: &Announced<'_>) {
+        if self.channels.contains_key(own.topic) {
             return;
         }
-        let [name, schema_encoding] = schema;
-        let built = ChannelBuilder::new(topic)
+        let schema = Schema::new(own.schema_name, own.schema_encoding, own.schema.to_vec());
+        let built = ChannelBuilder::new(own.topic)
             .context(&self.context)
-            .message_encoding(encoding)
-            .schema(Schema::new(name, schema_encoding, text.to_vec()))
+            .message_encoding(own.encoding)
+            .schema(schema)
+            .metadata(own.metadata.clone())
             .build_raw();
         // a topic that the viewer cannot have is left out of what is shown
         if let Ok(channel) = built {
-            self.channels.insert(topic.to_owned(), channel);
+            self.channels.insert(own.topic.to_owned(), channel);
         }
     }
 
@@ -114,8 +119,18 @@ impl Server {
 
 impl Listener for Server {
     fn announced(&mut self, channel: &Announced<'_>) {
-        let schema = [channel.schema_name, channel.schema_encoding];
-        self.announce(channel.topic, channel.encoding, schema, channel.schema);
+        self.announce(channel);
+    }
+
+    fn described(&mut self, name: &str, text: &str) {
+        self.announce(&Announced {
+            topic: &format!("{HEADER}{name}"),
+            encoding: "json",
+            schema_name: "slipstream/header",
+            schema_encoding: "jsonschema",
+            schema: b"{\"type\":\"object\"}",
+            metadata: &BTreeMap::from([(HEADER_TEXT.to_owned(), text.to_owned())]),
+        });
     }
 
     fn message(&mut self, topic: &str, t_ns: u64, data: &[u8]) {

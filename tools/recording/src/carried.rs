@@ -10,6 +10,7 @@ use crate::foreign_bag::{
     InBag, TopicMap, WheelJoints, WheelNames, descriptions_in, draft_topics, read_foreign,
 };
 use crate::import::Spooled;
+use crate::recording::Recording;
 use crate::robot_file::{self, Described};
 
 /// Reads a bag of another robot, with the model that it carries. `wheels` are those of the user's models.
@@ -27,17 +28,29 @@ pub(crate) fn read_with_model(
         of: &|own| wheels_in(own, path),
     };
     let (mut spooled, described) = read_foreign(bag, path, map, &wheel_names)?;
-    match described.as_slice() {
-        [] => {}
-        [only] => take_model(only, path, &mut spooled),
+    let description = &mut spooled.recording.description;
+    spooled
+        .on_model
+        .extend(take_model(&described, path, description));
+    Ok(spooled)
+}
+
+/// Takes the model of the robot that a bag describes. Returns what a person should know about it.
+pub(crate) fn take_model(
+    described: &[InBag],
+    path: &Path,
+    recording: &mut Recording,
+) -> Vec<String> {
+    match described {
+        [] => Vec::new(),
+        [only] => take_only_model(only, path, recording),
         several => {
             let names = names(several);
-            spooled.on_model.push(format!(
+            vec![format!(
                 "{names} describe different robots: no model is taken from them"
-            ));
+            )]
         }
     }
-    Ok(spooled)
 }
 
 /// The text of a map of a bag's topics, to be completed by a person.
@@ -57,7 +70,7 @@ pub(crate) fn draft_with_model(
 }
 
 /// The wheels that a description names, if it can be read.
-fn wheels_in(own: &InBag, path: &Path) -> Option<WheelJoints> {
+pub(crate) fn wheels_in(own: &InBag, path: &Path) -> Option<WheelJoints> {
     parse(own, path).ok().map(|own| own.wheel_joints)
 }
 
@@ -95,24 +108,25 @@ fn parse(own: &InBag, path: &Path) -> std::result::Result<Described, InputError>
 }
 
 /// Takes the model of a description, or says why not.
-fn take_model(own: &InBag, path: &Path, spooled: &mut Spooled) {
+fn take_only_model(own: &InBag, path: &Path, recording: &mut Recording) -> Vec<String> {
     let topic = &own.topic;
     let model = parse(own, path).and_then(|described| Ok((described.model()?, described.notes)));
     match model {
         Ok((model, notes)) => {
             let body = &model.robot;
-            spooled.on_model.push(format!(
+            let first = format!(
                 "robot model from {topic} in the bag: wheel_radius_m = {}, half_track_m = {}",
                 body.wheel_radius_m, body.half_track_m
-            ));
+            );
             let notes = notes.iter().map(|note| format!("{topic}: {note}"));
-            spooled.on_model.extend(notes);
-            spooled.recording.description.model = Some(model);
+            let all = std::iter::once(first).chain(notes).collect();
+            recording.model = Some(model);
+            all
         }
-        Err(error) => spooled.on_model.push(format!(
+        Err(error) => vec![format!(
             "no robot model from {topic} in the bag: it {}; `slipstream robot {} --out robot.toml` writes one to be completed",
             error.problem,
             path.display()
-        )),
+        )],
     }
 }

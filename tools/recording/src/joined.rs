@@ -5,7 +5,10 @@ use crate::table::{StreamKind, Table, TableView};
 
 /// The rows from `from_s` on of pieces of one recording that follow each other, as one recording; `None` without a piece. A
 /// row whose time lies behind one of an earlier row is left out: times of a stream never decrease.
-pub fn joined<'a>(pieces: impl Iterator<Item = &'a Recording> + Clone, from_s: f64) -> Option<Recording> {
+pub fn joined<'a>(
+    pieces: impl Iterator<Item = &'a Recording> + Clone,
+    from_s: f64,
+) -> Option<Recording> {
     let mut whole = pieces.clone().next()?.clone();
     for robot in &mut whole.robots {
         let name = robot.name.clone();

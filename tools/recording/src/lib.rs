@@ -64,6 +64,7 @@ mod csv_folder;
 mod decode;
 mod error;
 mod field;
+mod follow;
 mod foreign_bag;
 mod foreign_csv;
 mod git_lfs;
@@ -94,9 +95,11 @@ pub use compare::{Channel, CompareError, compare, interpolate};
 pub use csv_folder::{read_folder, write_folder};
 pub use error::{Error, Result};
 pub use field::Field;
+pub use follow::{Followed, Follower, next_part};
 pub use foreign_bag::{TopicMap, WheelJoints};
 pub use foreign_csv::ColumnMap;
 pub use import::{Import, Spooled};
+pub use joined::joined;
 pub use listener::{Announced, Listener};
 pub use mcap_file::{TraceFile, mcap_bytes, read_mcap_from, read_messages, read_trace, write_mcap};
 pub use mend::PoseJump;
@@ -105,7 +108,6 @@ pub use open::{
     Map, describe_robot, describe_robots, draft_map, read, read_mapped, read_mapped_from,
     read_spooled,
 };
-pub use joined::joined;
 pub use pieces::Pieces;
 pub use recording::Recording;
 pub use rows::Disk;

@@ -1,5 +1,7 @@
 //! Whoever wants to have messages as they are written or read, as bytes.
 
+use std::collections::BTreeMap;
+
 /// A topic before its first message.
 #[derive(Debug, Clone, Copy)]
 pub struct Announced<'a> {
@@ -13,12 +15,17 @@ pub struct Announced<'a> {
     pub schema_encoding: &'a str,
     /// The definition.
     pub schema: &'a [u8],
+    /// Names and values: in files of slipstream's own, which stream it is.
+    pub metadata: &'a BTreeMap<String, String>,
 }
 
 /// Has topics and messages, in their order.
 pub trait Listener {
     /// A topic, before its messages. A topic may be announced again.
     fn announced(&mut self, channel: &Announced<'_>);
+
+    /// A text that describes the recording: `recording.toml`, or `robot.toml` with the model.
+    fn described(&mut self, _name: &str, _text: &str) {}
 
     /// A message with its log time (ns).
     fn message(&mut self, topic: &str, t_ns: u64, data: &[u8]);

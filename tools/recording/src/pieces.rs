@@ -50,7 +50,9 @@ impl Pieces {
         });
         let links = self.recording.links.as_ref();
         let link = links.and_then(|links| links.messages.get(self.next_link));
-        of_robots.chain(link.map(|own| own.t_sent_s)).reduce(f64::min)
+        of_robots
+            .chain(link.map(|own| own.t_sent_s))
+            .reduce(f64::min)
     }
 
     /// The position messages before a time.
@@ -83,7 +85,7 @@ impl Iterator for Pieces {
         };
         let end_s = begin_s + self.length_s;
         // The first row always: whatever its time is, no piece but the last is empty.
-        let is_in = |t_s: f64| t_s <= begin_s || !(t_s >= end_s);
+        let is_in = |t_s: f64| t_s <= begin_s || t_s < end_s || t_s.is_nan();
         let mut piece = self.empty.clone();
         piece.rtt = self.recording.rtt.take();
         piece.links = self.links(&is_in);
@@ -139,7 +141,8 @@ mod tests {
                 ..Recording::default()
             };
             let pieces = Pieces::new(recording, 0.5).take(10);
-            let rows = pieces.filter_map(|(_, own)| Some(own.robots.first()?.odometry.as_ref()?.len()));
+            let rows =
+                pieces.filter_map(|(_, own)| Some(own.robots.first()?.odometry.as_ref()?.len()));
             assert_eq!(rows.sum::<usize>(), 3, "{t_s}");
         }
     }

@@ -53,6 +53,10 @@ impl Listener for Served {
         self.with(|server| server.announced(channel));
     }
 
+    fn described(&mut self, name: &str, text: &str) {
+        self.with(|server| server.described(name, text));
+    }
+
     fn message(&mut self, topic: &str, t_ns: u64, data: &[u8]) {
         self.with(|server| server.message(topic, t_ns, data));
     }

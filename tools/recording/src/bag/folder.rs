@@ -110,6 +110,16 @@ fn names_in(metadata: &Path) -> Result<Vec<String>, InputError> {
     Ok(files.iter().filter_map(name).collect())
 }
 
+/// The MCAP files in a folder that are not compressed as a whole, by their numbers.
+///
+/// # Errors
+/// If the folder cannot be read.
+pub(crate) fn mcap_files(folder: &Path) -> Result<Vec<PathBuf>, InputError> {
+    let mut files = bag_files(folder)?;
+    files.retain(|path| path.extension().is_some_and(|own| own == "mcap"));
+    Ok(files)
+}
+
 /// The bag files in a folder, by their numbers.
 fn bag_files(folder: &Path) -> Result<Vec<PathBuf>, InputError> {
     let unreadable = |e| InputError::unreadable(folder, &e);

@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use crate::listener::Announced;
+
 /// A channel of a file: a topic with its type.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct ChannelInfo {
@@ -35,6 +37,20 @@ impl ChannelInfo {
             encoding: channel.message_encoding,
             metadata: channel.metadata,
         }
+    }
+}
+
+impl From<&Announced<'_>> for ChannelInfo {
+    fn from(own: &Announced<'_>) -> Self {
+        let definition = Arc::new((own.schema_encoding.to_owned(), own.schema.to_owned()));
+        let channel = mcap::records::Channel {
+            id: 0,
+            schema_id: 0,
+            topic: own.topic.to_owned(),
+            message_encoding: own.encoding.to_owned(),
+            metadata: own.metadata.clone(),
+        };
+        Self::new(channel, (own.schema_name.to_owned(), definition))
     }
 }
 

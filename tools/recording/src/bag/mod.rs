@@ -17,10 +17,10 @@ mod wpilog;
 mod writer;
 
 pub(crate) use file::open_file;
-pub(crate) use folder::BagFolder;
-pub(crate) use item::{ChannelInfo, Item, Undecodable, VisitResult};
+pub(crate) use folder::{BagFolder, mcap_files};
+pub(crate) use item::{ChannelInfo, Item, Undecodable, Visit, VisitResult, Wanted};
 pub use loss::Loss;
 pub(crate) use mcap::read_bag;
-pub(crate) use source::{Bag, BagBytes, BagFile, Container, is_bag};
+pub(crate) use source::{Bag, BagBytes, BagFile, Container, is_bag, read_growing};
 pub(crate) use summary::Summary;
 pub(crate) use writer::{BagWriter, Channel, announce};

@@ -193,6 +193,19 @@ impl Bag for BagBytes<'_> {
     }
 }
 
+/// Reads an MCAP file whose `source` waits for what is not written yet.
+///
+/// # Errors
+/// If it is not an MCAP file, or reading fails.
+pub(crate) fn read_growing(
+    source: impl Read,
+    path: &Path,
+    visit: &mut Visit<'_>,
+) -> Result<Loss, InputError> {
+    // However long a record may be: its end will come.
+    mcap_file::read_wanted(source, u64::MAX, path, &|_| true, &mut unpacked(visit))
+}
+
 /// The first bytes of a source.
 fn head(source: impl Read) -> std::io::Result<Vec<u8>> {
     let mut head = Vec::new();

@@ -87,7 +87,7 @@ impl<'a> BagWriter<'a> {
         }
         topic.clone_into(&mut self.topics[usize::from(id)]);
         if let Some(listener) = &mut self.listener {
-            announce(listener.as_mut(), topic, message_type);
+            announce(listener.as_mut(), topic, message_type, metadata);
         }
         Ok(Channel(id))
     }
@@ -173,13 +173,19 @@ impl<'a> BagWriter<'a> {
 }
 
 /// Tells a listener of a topic that slipstream writes.
-pub(crate) fn announce(listener: &mut dyn Listener, topic: &str, message_type: MessageType) {
+pub(crate) fn announce(
+    listener: &mut dyn Listener,
+    topic: &str,
+    message_type: MessageType,
+    metadata: &BTreeMap<String, String>,
+) {
     listener.announced(&Announced {
         topic,
         encoding: "cdr",
         schema_name: message_type.name(),
         schema_encoding: "ros2msg",
         schema: message_type.schema().as_bytes(),
+        metadata,
     });
 }
 

@@ -106,9 +106,14 @@ impl LinksBuilder {
 
     /// The messages in the order of sending, and whether they contain velocities. (A run writes a
     /// message once its delivery status is known.)
-    pub(crate) fn finish(self, warnings: &mut Vec<String>) -> (Spool, bool) {
-        self.out_of_range.warn("links", warnings);
-        (sorted_by_time(self.spool), self.with_velocity)
+    pub(crate) fn finish(mut self, warnings: &mut Vec<String>) -> (Spool, bool) {
+        self.pass_on(warnings, &Disk::default())
+    }
+
+    /// As [`finish`](Self::finish), with the messages so far; those that follow go to another disk.
+    pub(crate) fn pass_on(&mut self, warnings: &mut Vec<String>, next: &Disk) -> (Spool, bool) {
+        std::mem::take(&mut self.out_of_range).warn("links", warnings);
+        (sorted_by_time(self.spool.take(next)), self.with_velocity)
     }
 }
 
@@ -162,9 +167,14 @@ impl RoundTripsBuilder {
     }
 
     /// The round trips in file order.
-    pub(crate) fn finish(self, warnings: &mut Vec<String>) -> Spool {
-        self.out_of_range.warn("rtt", warnings);
-        self.spool
+    pub(crate) fn finish(mut self, warnings: &mut Vec<String>) -> Spool {
+        self.pass_on(warnings, &Disk::default())
+    }
+
+    /// As [`finish`](Self::finish), with the round trips so far; those that follow go to another disk.
+    pub(crate) fn pass_on(&mut self, warnings: &mut Vec<String>, next: &Disk) -> Spool {
+        std::mem::take(&mut self.out_of_range).warn("rtt", warnings);
+        self.spool.take(next)
     }
 }
 

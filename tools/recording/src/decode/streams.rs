@@ -208,15 +208,26 @@ impl StreamBuilder {
 
     /// Stores the stream in its robot, which is added if it is new. Sorts rows that are out of
     /// order, with a warning.
-    pub(crate) fn finish(self, recording: &mut SpooledRecording, warnings: &mut Vec<String>) {
+    pub(crate) fn finish(mut self, recording: &mut SpooledRecording, warnings: &mut Vec<String>) {
+        self.pass_on(recording, warnings, &Disk::default());
+    }
+
+    /// As [`finish`](Self::finish), with the rows so far; those that follow go to another disk.
+    pub(crate) fn pass_on(
+        &mut self,
+        recording: &mut SpooledRecording,
+        warnings: &mut Vec<String>,
+        next: &Disk,
+    ) {
         let stream = format!("{}/{}", self.robot, self.kind.name());
-        self.out_of_range.warn(&stream, warnings);
-        if !self.spool.is_sorted() {
+        std::mem::take(&mut self.out_of_range).warn(&stream, warnings);
+        let spool = self.spool.take(next);
+        if !spool.is_sorted() {
             warnings.push(format!(
                 "{stream}: messages are out of order; sorted by time"
             ));
         }
-        recording.store(&self.robot, self.kind, sorted_by_time(self.spool));
+        recording.store(&self.robot, self.kind, sorted_by_time(spool));
     }
 }
 

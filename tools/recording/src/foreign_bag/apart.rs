@@ -1,7 +1,7 @@
 //! Wheels that have a topic, or a transform, each: one row for each value of one wheel, with that of the other at the same time.
 
 use super::clock::Clock;
-use super::neighbours::{Around, MOST_GAP_S, Neighbours};
+use super::neighbours::{Around, MOST_GAP_S, Neighbours, known_until, passed, used};
 use super::rigid;
 use super::source::Quantity;
 use super::turn::about;
@@ -9,7 +9,7 @@ use crate::bag::{ChannelInfo, Undecodable, VisitResult};
 use crate::decode::{Fields, StreamBuilder, wrapped};
 use crate::ros::Encoding;
 use crate::ros::time::s_from_ns;
-use crate::rows::{Disk, Spool, sorted_by_time};
+use crate::rows::{Disk, Spool, rows_after, sorted_by_time};
 use crate::table::Table;
 use nalgebra::Vector3;
 
@@ -20,6 +20,10 @@ const MOST_COUNTS: f64 = 8192.0;
 pub(super) struct Apart {
     wheels: [Wheel; 2],
     quantity: Quantity,
+    /// The last row of wheels that turn.
+    last: Option<[f64; 2]>,
+    /// Rows that lie in gaps of the other.
+    left_out: u64,
 }
 
 /// A wheel being read.
@@ -53,7 +57,12 @@ impl Apart {
             rows: Spool::new(disk, Table::new(&["value"], Vec::new())),
             is_stamped: false,
         });
-        Self { wheels, quantity }
+        Self {
+            wheels,
+            quantity,
+            last: None,
+            left_out: 0,
+        }
     }
 
     /// The topics of both.
@@ -86,29 +95,73 @@ impl Apart {
 
     /// Puts the rows into a stream: at the times of the wheel whose messages have stamps, or else of the right one. Returns how
     /// many were left out because they lie in gaps of the other.
-    pub(super) fn finish(self, stream: &mut StreamBuilder) -> u64 {
-        let leads_left = !self.wheels[0].is_stamped && self.wheels[1].is_stamped;
+    pub(super) fn finish(mut self, stream: &mut StreamBuilder) -> u64 {
+        self.put(stream, f64::INFINITY);
+        self.left_out
+    }
+
+    /// Puts those rows into a stream that no later message changes. What is kept goes to another disk.
+    pub(super) fn pass_on(&mut self, stream: &mut StreamBuilder, next: &Disk) {
+        let (lead, other) = self.lead_and_other();
+        self.sort();
+        let [lead, other] = [lead, other].map(|index| &self.wheels[index].rows);
+        let known_s = known_until(std::iter::once(other));
+        let counts = [used(lead, known_s), passed(other, known_s)];
+        self.put(stream, known_s);
+        let (lead, other) = self.lead_and_other();
+        for (index, count) in [lead, other].into_iter().zip(counts) {
+            let wheel = &mut self.wheels[index];
+            wheel.rows = rows_after(&wheel.rows, count, next);
+        }
+    }
+
+    /// Puts all rows into a stream, and forgets the wheels: what follows has other times.
+    pub(super) fn break_off(&mut self, stream: &mut StreamBuilder, next: &Disk) {
+        self.put(stream, f64::INFINITY);
+        self.last = None;
+        for wheel in &mut self.wheels {
+            drop(wheel.rows.take(next));
+        }
+    }
+
+    /// The wheel at whose times rows stand, and the other: 0 is right, 1 is left.
+    fn lead_and_other(&self) -> (usize, usize) {
+        match !self.wheels[0].is_stamped && self.wheels[1].is_stamped {
+            true => (1, 0),
+            false => (0, 1),
+        }
+    }
+
+    fn sort(&mut self) {
+        for wheel in &mut self.wheels {
+            wheel.rows = sorted_by_time(wheel.rows.take(&Disk::default()));
+        }
+    }
+
+    /// Puts the rows up to a time (s) into a stream.
+    fn put(&mut self, stream: &mut StreamBuilder, until_s: f64) {
+        let leads_left = self.lead_and_other().0 == 1;
         let quantity = self.quantity;
         let is_turn = self
             .wheels
             .iter()
             .any(|own| matches!(own.take, Take::Turn { .. }));
-        let sorted = self.wheels.map(|own| sorted_by_time(own.rows));
+        self.sort();
         let value = |table: &Table, row| table.number(0, row);
-        let [mut right, mut left] = sorted.each_ref().map(|rows| Neighbours::new(rows, value));
+        let sorted = self.wheels.each_ref();
+        let [mut right, mut left] = sorted.map(|own| Neighbours::new(&own.rows, value));
         let (lead, other) = match leads_left {
             true => (&mut left, &mut right),
             false => (&mut right, &mut left),
         };
-        let mut left_out = 0;
-        let mut last: Option<[f64; 2]> = None;
-        while let Some((t_s, own)) = lead.next() {
+        let mut last = self.last;
+        while let Some((t_s, own)) = lead.next_until(until_s) {
             // Before the first and after the last value of the other, there is no row.
             let Some(around) = other.around(t_s) else {
                 continue;
             };
             let Some(beside) = between(&around, quantity, is_turn) else {
-                left_out += 1;
+                self.left_out += 1;
                 continue;
             };
             let mut pair = if leads_left {
@@ -125,7 +178,7 @@ impl Apart {
             }
             stream.push_wheels(t_s, pair);
         }
-        left_out
+        self.last = last;
     }
 }
 

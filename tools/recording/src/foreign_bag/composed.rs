@@ -8,14 +8,14 @@ use std::fmt::Write as _;
 
 use super::chain::{Chain, Link};
 use super::clock::Clock;
-use super::neighbours::{MOST_GAP_S, Neighbours};
+use super::neighbours::{MOST_GAP_S, Neighbours, known_until, passed, used};
 use super::rigid::{Rigid, between, in_plane, of_message};
 use crate::bag::{ChannelInfo, Undecodable, VisitResult};
 use crate::decode::StreamBuilder;
 use crate::ros::Encoding;
 use crate::ros::messages::TransformStamped;
 use crate::ros::time::s_from_ns;
-use crate::rows::{Disk, Spool, sorted_by_time};
+use crate::rows::{Disk, Spool, rows_after, sorted_by_time};
 use crate::table::Table;
 
 /// A stamp may lie so far (ns) ahead of the reception of its message: a localisation lets its correction hold for
@@ -31,6 +31,7 @@ pub(super) struct Composed {
     moving: Vec<Moving>,
     /// The longest time that a correction's stamp lay ahead of its reception (ns).
     ahead_ns: i64,
+    poses: Poses,
 }
 
 /// A link that moves.
@@ -53,6 +54,7 @@ impl Composed {
             moving: moving.collect(),
             chain,
             ahead_ns: 0,
+            poses: Poses::default(),
         }
     }
 
@@ -122,31 +124,66 @@ impl Composed {
     }
 
     /// Puts the poses into a stream. Returns what a person should know about them.
-    pub(super) fn finish(self, stream: &mut StreamBuilder) -> String {
+    pub(super) fn finish(mut self, stream: &mut StreamBuilder) -> String {
+        self.put(stream, f64::INFINITY);
         let names: Vec<String> = self.moving.iter().map(|own| own.link.name()).collect();
-        let sorted = self.moving.into_iter().map(|own| sorted_by_time(own.rows));
-        let sorted: Vec<Spool> = sorted.collect();
-        let places = sorted.iter().map(|rows| Neighbours::new(rows, place_in));
-        let mut places: Vec<Neighbours<'_, Rigid>> = places.collect();
-        let mut poses = Poses::default();
-        if let Some((first, others)) = places.split_first_mut() {
-            while let Some((t_s, place)) = first.next() {
-                let others = others.iter_mut().map(|places| place_at(places, t_s));
-                let Some(others) = others.collect::<Option<Vec<Rigid>>>() else {
-                    poses.left_out += 1;
-                    continue;
-                };
-                let moving = std::iter::once(place).chain(others);
-                stream.push_pose(t_s, in_plane(&self.chain.place(moving)));
-                poses.add(t_s);
-            }
-        }
         let stream = format!("{}/{}", stream.robot, stream.kind.name());
         let chain = self.chain.name();
         format!(
             "{stream}: composed of {chain}; {}",
-            poses.in_words(&names, self.ahead_ns)
+            self.poses.in_words(&names, self.ahead_ns)
         )
+    }
+
+    /// Puts those poses into a stream that no later message changes. What is kept goes to another disk.
+    pub(super) fn pass_on(&mut self, stream: &mut StreamBuilder, next: &Disk) {
+        self.sort();
+        let others = self.moving.iter().skip(1).map(|own| &own.rows);
+        let known_s = known_until(others);
+        self.put(stream, known_s);
+        for (index, moving) in self.moving.iter_mut().enumerate() {
+            let count = match index {
+                0 => used(&moving.rows, known_s),
+                _ => passed(&moving.rows, known_s),
+            };
+            moving.rows = rows_after(&moving.rows, count, next);
+        }
+    }
+
+    /// Puts all poses into a stream, and forgets the transforms: what follows has other times.
+    pub(super) fn break_off(&mut self, stream: &mut StreamBuilder, next: &Disk) {
+        self.put(stream, f64::INFINITY);
+        for moving in &mut self.moving {
+            drop(moving.rows.take(next));
+            moving.last = None;
+        }
+    }
+
+    fn sort(&mut self) {
+        for moving in &mut self.moving {
+            moving.rows = sorted_by_time(moving.rows.take(&Disk::default()));
+        }
+    }
+
+    /// Puts the poses up to a time (s) into a stream.
+    fn put(&mut self, stream: &mut StreamBuilder, until_s: f64) {
+        self.sort();
+        let rows = self.moving.iter().map(|own| &own.rows);
+        let mut places: Vec<Neighbours<'_, Rigid>> =
+            rows.map(|rows| Neighbours::new(rows, place_in)).collect();
+        let Some((first, others)) = places.split_first_mut() else {
+            return;
+        };
+        while let Some((t_s, place)) = first.next_until(until_s) {
+            let others = others.iter_mut().map(|places| place_at(places, t_s));
+            let Some(others) = others.collect::<Option<Vec<Rigid>>>() else {
+                self.poses.left_out += 1;
+                continue;
+            };
+            let moving = std::iter::once(place).chain(others);
+            stream.push_pose(t_s, in_plane(&self.chain.place(moving)));
+            self.poses.add(t_s);
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Values over time, read from the first row on: for any time, the rows before and after it.
 
-use crate::rows::{RowCursor, Rows, Spool};
+use crate::rows::{RowCursor, Rows, Spool, rows_until};
 use crate::table::Table;
 
 /// Longest time between two rows (s) between which something is interpolated.
@@ -12,6 +12,29 @@ pub(super) struct Neighbours<'a, T> {
     value: fn(&Table, usize) -> T,
     before: Option<(f64, T)>,
     after: Option<(f64, T)>,
+}
+
+/// For so long (s) rows wait for those of the other that a row needs, too.
+const MOST_WAIT_S: f64 = 10.0;
+
+/// How many rows of the one at whose times values stand are of no further use, once the others are known up to `known_s`.
+pub(super) fn used(rows: &Spool, known_s: f64) -> usize {
+    let last_s = rows.span_s().map_or(known_s, |[_, last_s]| last_s);
+    rows_until(rows, known_s.max(last_s - MOST_WAIT_S))
+}
+
+/// As [`used`], of the others: what comes next may lie between the last known row and the next one.
+pub(super) fn passed(rows: &Spool, known_s: f64) -> usize {
+    rows_until(rows, known_s).saturating_sub(1)
+}
+
+/// The time up to which all of several are known (s).
+pub(super) fn known_until<'a>(all: impl Iterator<Item = &'a Spool>) -> f64 {
+    let last_s = |rows: &Spool| {
+        rows.span_s()
+            .map_or(f64::NEG_INFINITY, |[_, last_s]| last_s)
+    };
+    all.map(last_s).fold(f64::INFINITY, f64::min)
 }
 
 /// The rows around a time.
@@ -49,6 +72,12 @@ impl<'a, T: Copy> Neighbours<'a, T> {
         self.cursor.advance();
         self.after = self.here();
         next
+    }
+
+    /// As [`next`](Self::next), if its time is not after `t_s`.
+    pub(super) fn next_until(&mut self, t_s: f64) -> Option<(f64, T)> {
+        self.after.filter(|(next_s, _)| *next_s <= t_s)?;
+        self.next()
     }
 
     /// The rows around a time that is not before the last one asked for; `None` outside of the known times.

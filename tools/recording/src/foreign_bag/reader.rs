@@ -123,7 +123,7 @@ fn finish(way: Way, stream: &mut StreamBuilder) -> Option<String> {
 }
 
 /// The clock of the mapped topics.
-fn clock(
+pub(super) fn clock(
     map: &TopicMap,
     streams: &[Reading],
     topics: &[Topic],
@@ -146,7 +146,7 @@ fn clock(
 }
 
 /// The description of the recording, with its robots.
-fn description(path: &Path, map: &TopicMap, clock: Clock) -> Recording {
+pub(super) fn description(path: &Path, map: &TopicMap, clock: Clock) -> Recording {
     let name = path.file_stem().map(|stem| stem.to_string_lossy());
     let mut recording = Recording {
         name: name.unwrap_or_default().into_owned(),

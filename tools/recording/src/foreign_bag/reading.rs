@@ -33,7 +33,7 @@ pub(super) enum Way {
 
 impl Reading {
     /// Takes what a message has of the stream.
-    fn push(
+    pub(super) fn push(
         &mut self,
         channel: &ChannelInfo,
         data: &[u8],

@@ -109,14 +109,9 @@ impl Values {
 /// # Errors
 /// If it is not a bag, or cannot be read.
 pub(super) fn survey(bag: &dyn Bag, mapped: &[&str]) -> Result<(Vec<Topic>, Loss), InputError> {
-    let layout = |channel: &ChannelInfo| match mapped.contains(&channel.topic.as_str()) {
-        true => layout_of(channel).filter(|_| !Sample::can_be_of(channel)),
-        false => layout_of_wheels(channel),
-    };
+    let layout = |channel: &ChannelInfo| layout(channel, mapped);
     // Of other topics, such as images, only the number of messages counts.
-    let is_of_interest = |channel: &ChannelInfo| {
-        Sample::can_be_of(channel) || has_description(channel) || layout(channel).is_some()
-    };
+    let is_of_interest = |channel: &ChannelInfo| is_of_interest(channel, mapped);
     let mut topics: BTreeMap<String, Topic> = BTreeMap::new();
     let loss = bag.scan(&is_of_interest, &mut |item| {
         let (Item::Message { channel, .. } | Item::Unwanted { channel, .. }) = item else {
@@ -140,6 +135,19 @@ pub(super) fn survey(bag: &dyn Bag, mapped: &[&str]) -> Result<(Vec<Topic>, Loss
         }
     })?;
     Ok((topics.into_values().collect(), loss))
+}
+
+/// Where the numbers of a message are that may be those of wheels; of `mapped` topics, all numbers.
+fn layout(channel: &ChannelInfo, mapped: &[&str]) -> Option<Layout> {
+    match mapped.contains(&channel.topic.as_str()) {
+        true => layout_of(channel).filter(|_| !Sample::can_be_of(channel)),
+        false => layout_of_wheels(channel),
+    }
+}
+
+/// Whether the messages of a topic may tell something of a robot.
+pub(crate) fn is_of_interest(channel: &ChannelInfo, mapped: &[&str]) -> bool {
+    Sample::can_be_of(channel) || has_description(channel) || layout(channel, mapped).is_some()
 }
 
 /// Whether the texts of a topic describe a robot.

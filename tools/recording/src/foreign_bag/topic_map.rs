@@ -122,7 +122,7 @@ impl TopicMap {
     }
 
     /// The topics that it names.
-    pub(super) fn topics(&self) -> Vec<&str> {
+    pub(crate) fn topics(&self) -> Vec<&str> {
         self.sources.iter().flat_map(Source::topics).collect()
     }
 

@@ -5,6 +5,7 @@ use std::path::Path;
 use crate::bag::{Item, Loss, open_file, read_bag};
 use crate::error::Result;
 use crate::listener::{Announced, Listener};
+use crate::topics;
 
 /// Gives every topic and every message of an MCAP file to `listener`, in file order. Returns what could not be read.
 ///
@@ -20,6 +21,7 @@ pub fn read_messages(path: &Path, listener: &mut dyn Listener) -> Result<Loss> {
                 schema_name: &channel.schema,
                 schema_encoding: &channel.definition.0,
                 schema: &channel.definition.1,
+                metadata: &channel.metadata,
             }),
             Item::Message {
                 channel,
@@ -27,6 +29,10 @@ pub fn read_messages(path: &Path, listener: &mut dyn Listener) -> Result<Loss> {
                 data,
                 ..
             } => listener.message(&channel.topic, log_time_ns, data),
+            Item::Attachment {
+                name: name @ (topics::DESCRIPTION | topics::MODEL),
+                data,
+            } => listener.described(name, &String::from_utf8_lossy(data)),
             Item::Unwanted { .. } | Item::Attachment { .. } | Item::Metadata { .. } => {}
         }
         Ok(())

@@ -45,11 +45,14 @@ pub(crate) fn read_own(source: impl Read, size: u64, path: &Path) -> Result<Opti
 
 /// Whether the index of a file says that slipstream wrote it.
 pub(crate) fn is_own(summary: &Summary) -> bool {
-    let is_stream = |channel: &Arc<ChannelInfo>| {
-        topics::is_view(&channel.metadata) || StreamMetadata::from_map(&channel.metadata).is_some()
-    };
     let is_named = |name: &String| name == topics::FILE_METADATA;
-    summary.metadata.iter().any(is_named) || summary.channels.values().any(is_stream)
+    let mut channels = summary.channels.values();
+    summary.metadata.iter().any(is_named) || channels.any(|channel| is_stream(channel))
+}
+
+/// Whether a channel holds, or shows, a stream in slipstream's own layout.
+pub(crate) fn is_stream(channel: &ChannelInfo) -> bool {
+    topics::is_view(&channel.metadata) || StreamMetadata::from_map(&channel.metadata).is_some()
 }
 
 /// Where the messages of a channel go. `rows` tells lossless rows from standard messages.
@@ -69,9 +72,9 @@ enum Route {
 
 /// The contents of a file as far as they have been read.
 #[derive(Debug, Default)]
-struct Loader {
+pub(super) struct Loader {
     /// Where the rows go.
-    disk: Disk,
+    pub(super) disk: Disk,
     /// Whether slipstream wrote the file.
     is_own: bool,
     /// Text of the attached `recording.toml`.
@@ -80,16 +83,16 @@ struct Loader {
     model: Option<String>,
     /// By channel id.
     routes: Vec<Route>,
-    streams: Vec<StreamBuilder>,
-    links: Option<LinksBuilder>,
-    round_trips: Option<RoundTripsBuilder>,
+    pub(super) streams: Vec<StreamBuilder>,
+    pub(super) links: Option<LinksBuilder>,
+    pub(super) round_trips: Option<RoundTripsBuilder>,
     /// Number of messages that [`Recording`] cannot represent, by topic.
     left_out: BTreeMap<String, u64>,
-    warnings: Vec<String>,
+    pub(super) warnings: Vec<String>,
 }
 
 impl Loader {
-    fn visit(&mut self, item: Item<'_>) -> VisitResult {
+    pub(super) fn visit(&mut self, item: Item<'_>) -> VisitResult {
         match item {
             Item::Channel { id, channel } => {
                 let route = self.route_of(channel);
@@ -223,22 +226,7 @@ impl Loader {
         if loss.any() {
             warnings.insert(0, format!("{}: {loss}", path.display()));
         }
-        let stem = path.file_stem().map(|stem| stem.to_string_lossy());
-        let stem = stem.unwrap_or_default();
-        // In errors, an attachment is named as a file inside the MCAP file.
-        let mut description = match &self.description {
-            Some(text) => recording_toml::parse(text, &path.join(topics::DESCRIPTION), &stem)?,
-            None => {
-                warnings.push(format!("{}: the description is missing", path.display()));
-                Recording {
-                    name: stem.into_owned(),
-                    ..Recording::default()
-                }
-            }
-        };
-        if let Some(text) = &self.model {
-            description.model = Some(robot_toml::parse(text, &path.join(topics::MODEL))?);
-        }
+        let description = describe(&self, path, &mut warnings)?;
         let mut recording = SpooledRecording::new(description, self.disk);
         for stream in self.streams {
             stream.finish(&mut recording, &mut warnings);
@@ -260,4 +248,29 @@ impl Loader {
             left_out: self.left_out,
         })
     }
+}
+
+/// The recording without rows.
+pub(super) fn describe(
+    loader: &Loader,
+    path: &Path,
+    warnings: &mut Vec<String>,
+) -> Result<Recording> {
+    let stem = path.file_stem().map(|stem| stem.to_string_lossy());
+    let stem = stem.unwrap_or_default();
+    // In errors, an attachment is named as a file inside the MCAP file.
+    let mut description = match &loader.description {
+        Some(text) => recording_toml::parse(text, &path.join(topics::DESCRIPTION), &stem)?,
+        None => {
+            warnings.push(format!("{}: the description is missing", path.display()));
+            Recording {
+                name: stem.into_owned(),
+                ..Recording::default()
+            }
+        }
+    };
+    if let Some(text) = &loader.model {
+        description.model = Some(robot_toml::parse(text, &path.join(topics::MODEL))?);
+    }
+    Ok(description)
 }

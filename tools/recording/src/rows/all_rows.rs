@@ -50,6 +50,17 @@ pub(crate) struct LinkRows<'a> {
 }
 
 impl<'a> AllRows<'a> {
+    /// Whether there is no row.
+    pub(crate) fn is_empty(&self) -> bool {
+        let of_robots = self.robots.iter().flat_map(|robot| &robot.streams);
+        let links = self.links.iter().map(|links| &links.rows);
+        let all = of_robots
+            .map(|(_, rows)| rows)
+            .chain(links)
+            .chain(&self.rtt);
+        all.map(Rows::len).sum::<usize>() == 0
+    }
+
     /// The rows of a recording in memory.
     pub(crate) fn of(recording: &'a Recording) -> Self {
         let robots = recording.robots.iter();

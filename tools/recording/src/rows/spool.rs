@@ -74,13 +74,19 @@ impl Spool {
         self.end_row();
     }
 
+    /// Takes all rows; what follows goes to another disk.
+    pub(crate) fn take(&mut self, disk: &Disk) -> Self {
+        let next = Self::new(disk, self.empty());
+        std::mem::replace(self, next)
+    }
+
     /// The time of the last row (s).
     pub(crate) fn last_t_s(&self) -> Option<f64> {
         self.span_s.map(|[_, last]| last)
     }
 
     /// First and last time (s).
-    pub(super) fn span_s(&self) -> Option<[f64; 2]> {
+    pub(crate) fn span_s(&self) -> Option<[f64; 2]> {
         self.span_s
     }
 

@@ -97,6 +97,14 @@ impl RobotTopic {
             Self::Contact => (MessageType::Contact, "contact", None),
         }
     }
+
+    /// Channel metadata.
+    fn metadata(self, robot: &str) -> BTreeMap<String, String> {
+        let (_, _, stream) = self.definition();
+        stream
+            .map(|(kind, columns)| StreamMetadata::of_robot(robot, kind, columns).to_map())
+            .unwrap_or_default()
+    }
 }
 
 impl SharedTopic {
@@ -143,17 +151,18 @@ impl Channels {
         }
     }
 
-    /// Every topic that the run may write, with its type.
-    pub(super) fn topics(&self) -> Vec<(String, MessageType)> {
+    /// Every topic that the run may write, with its type and its metadata.
+    pub(super) fn topics(&self) -> Vec<(String, MessageType, BTreeMap<String, String>)> {
         let of_robots = self.robots.iter().flat_map(|robot| {
             RobotTopic::ALL.map(|topic| {
                 let (message_type, name, _) = topic.definition();
-                (robot_topic(&robot.name, name), message_type)
+                let metadata = topic.metadata(&robot.name);
+                (robot_topic(&robot.name, name), message_type, metadata)
             })
         });
         let shared = SharedTopic::ALL.map(|topic| {
             let (message_type, name) = topic.definition();
-            (name.to_owned(), message_type)
+            (name.to_owned(), message_type, topic.metadata())
         });
         of_robots.chain(shared).collect()
     }
@@ -182,11 +191,9 @@ impl Channels {
         };
         let slot = &mut open[topic as usize];
         if slot.is_none() {
-            let (message_type, topic, stream) = topic.definition();
-            let metadata = stream
-                .map(|(kind, columns)| StreamMetadata::of_robot(name, kind, columns).to_map())
-                .unwrap_or_default();
-            *slot = Some(bag.channel(&robot_topic(name, topic), message_type, &metadata)?);
+            let (message_type, last, _) = topic.definition();
+            let metadata = topic.metadata(name);
+            *slot = Some(bag.channel(&robot_topic(name, last), message_type, &metadata)?);
         }
         Ok(*slot)
     }

@@ -27,6 +27,8 @@ use crate::topics;
 pub struct RunWriter<'a> {
     bag: BagWriter<'a>,
     channels: Channels,
+    /// The names and texts that describe the run.
+    described: Vec<(&'static str, String)>,
 }
 
 impl<'a> RunWriter<'a> {
@@ -60,9 +62,11 @@ impl<'a> RunWriter<'a> {
     fn start(mut bag: BagWriter<'a>, header: &RunHeader) -> Result<Self> {
         let toml = "application/toml";
         let description = recording_toml::to_text(&header.description);
-        bag.attach(topics::DESCRIPTION, toml, description.as_bytes())?;
-        if let Some(model) = &header.description.model {
-            bag.attach(topics::MODEL, toml, robot_toml::to_text(model).as_bytes())?;
+        let mut described = vec![(topics::DESCRIPTION, description)];
+        let model = header.description.model.as_ref();
+        described.extend(model.map(|model| (topics::MODEL, robot_toml::to_text(model))));
+        for (name, text) in &described {
+            bag.attach(name, toml, text.as_bytes())?;
         }
         for attachment in &header.attachments {
             bag.attach(&attachment.name, &attachment.media_type, &attachment.data)?;
@@ -75,14 +79,18 @@ impl<'a> RunWriter<'a> {
         Ok(Self {
             bag,
             channels: Channels::new(robots.map(|robot| robot.name.clone())),
+            described,
         })
     }
 
-    /// From now on, `listener` has every topic and every message. All topics of the run are announced at once, so that whoever
+    /// From now on, `listener` has every topic and every message, after the texts that describe the run. All topics of the run are announced at once, so that whoever
     /// wants their messages can have the first of them.
     pub fn listen(&mut self, mut listener: Box<dyn Listener + Send>) {
-        for (topic, message_type) in self.channels.topics() {
-            announce(listener.as_mut(), &topic, message_type);
+        for (name, text) in &self.described {
+            listener.described(name, text);
+        }
+        for (topic, message_type, metadata) in self.channels.topics() {
+            announce(listener.as_mut(), &topic, message_type, &metadata);
         }
         self.bag.listen(listener);
     }
