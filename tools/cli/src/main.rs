@@ -34,6 +34,7 @@ mod trace;
 mod trial;
 mod view;
 mod viewers;
+mod watch;
 mod wrap;
 
 use std::ffi::OsString;
@@ -75,6 +76,7 @@ enum Command {
     Study(study::Arguments),
     Trial(trial::Arguments),
     View(view::Arguments),
+    Watch(watch::Arguments),
     Completions(completions::Arguments),
     Man(man::Arguments),
     /// Remove the files that dead runs left in shared memory
@@ -127,6 +129,7 @@ fn run() -> Result<Exit, Error> {
         Command::Study(arguments) => study::run(&arguments),
         Command::Trial(arguments) => trial::run(&arguments),
         Command::View(arguments) => view::run(&arguments),
+        Command::Watch(arguments) => watch::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments, &mut Arguments::command()),
         Command::Man(arguments) => man::run(&arguments, Arguments::command()),
         Command::Clean => clean::run(),

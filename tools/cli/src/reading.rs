@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use clap::Args;
-use slipstream_recording::{Import, Map, Spooled, StreamKind};
+use slipstream_recording::{Import, Map, Spooled, StreamKind, TopicMap};
 
 use crate::exit::Error;
 use crate::models::Models;
@@ -60,6 +60,14 @@ impl Reading {
         }
         models.note_poses(spooled.robots());
         Ok(spooled)
+    }
+
+    /// The map of topics, if one was given.
+    pub(crate) fn topics(&self) -> Result<Option<TopicMap>, Error> {
+        match Map::read(self.topics.as_deref(), None)? {
+            Map::Topics(map) => Ok(Some(map)),
+            Map::Columns(_) | Map::None => Ok(None),
+        }
     }
 
     /// Reads a recording into memory, as [`Self::spool`].

@@ -17,6 +17,8 @@ use slipstream_answer as answer;
 pub use diagnosis::{Illustrated, diagnose, diagnose_with_figures};
 pub use predict::prediction::{Prediction, predict};
 pub use request::Request;
+/// What a diagnosis says.
+pub use slipstream_answer::Answer;
 /// Why a recording cannot be diagnosed.
 pub use slipstream_bus::InputError;
-pub use watch::{Change, Event, Question, State, Watch};
+pub use watch::{Change, Event, Question, Smallest, State, Watch};

@@ -48,6 +48,12 @@ pub(crate) struct Arguments {
     /// Put changes into copies of this recording instead, and diagnose them against it
     #[arg(long, value_name = "RECORDING", conflicts_with_all = ["cases", "seed", "plan", "effect", "make_only", "labels", "shard", "dry_run", "resume"])]
     pub(super) on: Option<PathBuf>,
+    /// Let the changes begin while the robot drives, and watch it: when is each raised, as what, since when, how large
+    #[arg(long, requires = "on", conflicts_with_all = ["out", "report", "with"])]
+    pub(super) watch: bool,
+    /// With --watch, a recording of the same robot that is the baseline; may be repeated [default: the first half]
+    #[arg(long, value_name = "OTHER", num_args = 1.., requires = "watch")]
+    pub(super) against: Vec<PathBuf>,
     #[command(flatten)]
     pub(super) reading: Reading,
     /// Robot model of that recording: robot.toml, URDF or controller YAML [default: the one in the recording]

@@ -6,6 +6,7 @@ mod dry_run;
 mod own;
 mod temporary_folder;
 mod text;
+mod watched;
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -52,6 +53,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     }
     // The diagnoses that run are killed at once; a case that is being made is not waited for.
     let stop = interrupt::stop_flag(Some(Duration::from_millis(500)))?;
+    if let Some(recording) = arguments.on.as_ref().filter(|_| arguments.watch) {
+        return watched::run(&watched::Asked {
+            on: recording,
+            reading: &arguments.reading,
+            robot: &arguments.robot,
+            against: &arguments.against,
+            without: &arguments.without,
+            json: arguments.output.json.as_deref(),
+        });
+    }
     if let Some(recording) = &arguments.on {
         let program = arguments.program()?;
         return own::run(&own::Asked {

@@ -15,4 +15,5 @@ mod silence;
 mod statistic;
 
 pub use alarm::State;
+pub use robot::Smallest;
 pub use session::{Change, Event, Question, Watch};

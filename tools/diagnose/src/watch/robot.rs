@@ -44,6 +44,7 @@ pub(super) struct Watched {
     bank: Bank,
     pub(super) hypotheses: Hypotheses,
     calibration: Calibration,
+    habits: Habits,
     /// Where parameters were when the bank began.
     known: Known,
     bias: Option<usize>,
@@ -90,13 +91,23 @@ impl Watched {
             known: calibration.known.clone(),
             hypotheses,
             calibration,
+            habits,
             bias,
             next_s: 0.0,
             least: f64::INFINITY,
         };
-        own.widen(habits, runs);
-        own.known = between(&own.calibration.known, &own.hypotheses.repeats, 1.0);
+        own.widen(runs);
+        own.again();
         Some(own)
+    }
+
+    /// Begins anew: nothing was heard.
+    pub(super) fn again(&mut self) {
+        self.feed = Feed::new(self.habits);
+        self.filters.restart();
+        self.bank.clear();
+        self.next_s = 0.0;
+        self.known = between(&self.calibration.known, &self.hypotheses.repeats, 1.0);
     }
 
     /// Over everything that is watched, one false alarm in so many looks is let pass.
@@ -105,11 +116,11 @@ impl Watched {
     }
 
     /// What the baseline itself would be called is none.
-    fn widen(&mut self, habits: Habits, runs: &[Vec<Robot>]) {
+    fn widen(&mut self, runs: &[Vec<Robot>]) {
         let mut most = vec![0.0_f64; self.hypotheses.all.len()];
         self.expect(FALSE_ALARM_LOOKS);
         for pieces in runs {
-            self.feed = Feed::new(habits);
+            self.feed = Feed::new(self.habits);
             self.restart(self.calibration.known.clone());
             self.filters.restart();
             for piece in pieces {
@@ -129,10 +140,6 @@ impl Watched {
                 self.calibration.widen(hypothesis, times);
             }
         }
-        self.feed = Feed::new(habits);
-        self.filters.restart();
-        self.bank.clear();
-        self.next_s = 0.0;
     }
 
     /// Hears a piece; what was odd about its rows.
@@ -246,10 +253,55 @@ impl Watched {
         })
     }
 
+    /// The smallest size of each number of each hypothesis that rows since the first onset at or behind `onset_s` would show.
+    pub(super) fn smallest(&self, onset_s: f64) -> Vec<Smallest> {
+        let mut onsets = self.bank.onsets.iter().enumerate();
+        let Some((number, onset)) = onsets.find(|(_, own)| own.t_s >= onset_s) else {
+            return Vec::new();
+        };
+        let age_s = self.feed.now_s - onset.t_s;
+        let known = self.before(onset, number == 0);
+        let each = self.hypotheses.all.iter().enumerate();
+        let each = each.filter_map(|(hypothesis, own)| {
+            let dispersion = self.calibration.of(hypothesis, age_s);
+            let nuisance = self.bias.map(|bias| (bias, BIAS));
+            let tested = test(own, &onset.sum, &known, dispersion, nuisance)?;
+            let sizes = tested.smallest(&own.plausible, self.least + own.cost)?;
+            Some((own, sizes))
+        });
+        let values = each.flat_map(|(own, sizes)| {
+            let alike = own.len() == 1 && own.values.len() > 1;
+            own.values.iter().filter_map(move |value| {
+                let mut weights = value.weights.iter().enumerate().filter(|(_, w)| **w != 0.0);
+                let (place, weight) = weights.next()?;
+                (weights.next().is_none()).then(|| Smallest {
+                    effect: own.effect,
+                    parameter: value.name,
+                    both: alike,
+                    size: weight.abs() * sizes[place],
+                })
+            })
+        });
+        values.collect()
+    }
+
     /// The hypothesis of what was found.
     pub(super) fn hypothesis(&self, found: &Found) -> &Hypothesis {
         &self.hypotheses.all[found.hypothesis]
     }
+}
+
+/// The smallest change that rows show: of a factor, its logarithm.
+#[derive(Debug, Clone)]
+pub struct Smallest {
+    /// The effect.
+    pub effect: &'static str,
+    /// Its parameter.
+    pub parameter: &'static str,
+    /// Both wheels change alike.
+    pub both: bool,
+    /// The size.
+    pub size: f64,
 }
 
 /// Looks within ten hours.

@@ -9,7 +9,7 @@ use slipstream_recording::{Pieces, Recording, joined};
 
 use super::alarm::{Alarm, State};
 use super::change::as_finding;
-use super::robot::{FALSE_ALARM_LOOKS, Found, Watched};
+use super::robot::{FALSE_ALARM_LOOKS, Found, Smallest, Watched};
 use super::silence::Silence;
 use crate::answer::{Answer, Finding, Warning};
 use crate::data::faults;
@@ -193,14 +193,23 @@ impl Watch {
         own.map_or_else(Vec::new, |own| own.answered(question.number, answer))
     }
 
-    /// What differs from the baseline over everything heard, of each robot.
-    pub fn differences(&self) -> Vec<(String, Option<Finding>)> {
-        let each = self.robots.iter().map(|own| {
-            let found = own.watched.look();
-            let finding = found.map(|found| own.finding(&found));
-            (own.watched.name.clone(), finding)
-        });
-        each.collect()
+    /// Begins anew with the same baseline: nothing was heard.
+    pub fn again(&mut self) {
+        for own in &mut self.robots {
+            own.watched.again();
+            own.silence.again();
+            (own.alarm, own.absorbed_s) = (None, None);
+        }
+        self.kept.clear();
+        self.unknown.clear();
+    }
+
+    /// The smallest changes since a time (s) that the rows heard since would be expected to show, of the first robot.
+    pub fn smallest(&self, since_s: f64) -> Vec<Smallest> {
+        self.robots.first().map_or_else(Vec::new, |own| {
+            let origin_s = own.watched.feed.origin_s.unwrap_or(0.0);
+            own.watched.smallest(since_s - origin_s)
+        })
     }
 }
 

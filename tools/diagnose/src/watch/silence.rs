@@ -56,6 +56,13 @@ impl Silence {
         Self(listened.filter_map(of).collect())
     }
 
+    /// Nothing was heard.
+    pub(super) fn again(&mut self) {
+        for own in &mut self.0 {
+            (own.last_s, own.is_silent) = (None, false);
+        }
+    }
+
     /// Hears a piece; which streams fell silent or came back, and when (s).
     pub(super) fn hear(&mut self, piece: &Robot) -> Vec<(f64, Words)> {
         let mut now_s = f64::NEG_INFINITY;

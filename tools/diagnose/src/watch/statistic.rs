@@ -37,6 +37,15 @@ impl Tested {
         self.wald / 2.0
     }
 
+    /// How large each number has to be, alone, for the factor to be expected to reach `least` (nats).
+    pub(crate) fn smallest(&self, plausible: &[f64], least: f64) -> Option<Vec<f64>> {
+        let wide = &self.covariance + DMatrix::from_diagonal(&DVector::from_column_slice(plausible));
+        let [known, wide] = [factored(&self.covariance)?, factored(&wide)?];
+        let needed = 2.0 * least + wide.ln_determinant() - known.ln_determinant();
+        let gained = known.inverse() - wide.inverse();
+        Some((0..plausible.len()).map(|i| (needed / gained[(i, i)]).sqrt()).collect())
+    }
+
     /// A sum of its numbers with its deviation.
     pub(crate) fn value(&self, weights: &[f64]) -> (f64, f64) {
         let w = DVector::from_column_slice(weights);
@@ -200,5 +209,8 @@ mod tests {
         let own = test(&one(&[1.0]), &sum, &known, 1.0, None).unwrap();
         let density = |variance: f64| -0.5 * (0.09 / variance + variance.ln());
         assert!((own.factor - density(0.02) + density(0.01)).abs() < 1e-9);
+        // at the size that it has, it reaches what it has
+        let least = own.smallest(&[0.01], own.factor).unwrap();
+        assert!((least[0] - 0.3).abs() < 1e-9);
     }
 }

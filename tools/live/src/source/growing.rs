@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 use std::fs::File;
-use std::io::{BufReader, Read as _};
+use std::io::{BufReader, Read as _, Seek as _, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -29,6 +29,15 @@ pub struct Growing {
 }
 
 impl Growing {
+    /// Whether a path is an MCAP file without an end, or a folder of a recorder that goes on.
+    pub fn grows(path: &Path) -> bool {
+        if path.is_dir() {
+            let has_parts = next_part(path, None).is_ok_and(|own| own.is_some());
+            return has_parts && !path.join(DESCRIPTION).exists();
+        }
+        begins_like_mcap(path).is_ok() && !ends_like_mcap(path)
+    }
+
     /// Reads an MCAP file, or the folder of a recorder with such files, from its beginning, and goes on as it grows. `map` says
     /// which topic is which stream; without one it is guessed from the first seconds. `wheels` are the joints of wheels that
     /// descriptions of the robots name.
@@ -93,6 +102,21 @@ fn begins_like_mcap(path: &Path) -> Result<(), InputError> {
     let problem = "is not an MCAP file, and no other can be read as it grows";
     let remedy = "record MCAP (ros2 bag record -s mcap), or wait until the recording is complete";
     Err(InputError::file(path, problem, remedy))
+}
+
+/// Whether a file is a complete MCAP file.
+fn ends_like_mcap(path: &Path) -> bool {
+    let end = |file: &mut File| -> std::io::Result<Vec<u8>> {
+        let mut tail = Vec::new();
+        file.seek(SeekFrom::End(-(MAGIC.len() as i64)))?;
+        file.read_to_end(&mut tail)?;
+        Ok(tail)
+    };
+    let whole = File::open(path).and_then(|mut file| {
+        let length = file.metadata()?.len();
+        Ok((length, end(&mut file)?))
+    });
+    whole.is_ok_and(|(length, tail)| length > MAGIC.len() as u64 && tail == MAGIC)
 }
 
 /// The files of a bag.

@@ -96,7 +96,7 @@ pub fn make(
 }
 
 /// The recording with its runs of one machine, or with its first robot alone.
-fn alone(recording: &Recording) -> Recording {
+pub fn alone(recording: &Recording) -> Recording {
     let mut own = recording.clone();
     own.model = None;
     if !own.same_robot {

@@ -10,7 +10,11 @@ mod menu;
 mod null;
 mod rows;
 mod score;
+mod since;
 
 pub use change::Change;
 pub use made::{OwnCase, OwnTrial, make};
+pub use made::alone;
+pub use null::half;
 pub use score::{Detectable, OwnReport, score};
+pub use since::changed_since;

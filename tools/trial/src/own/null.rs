@@ -72,7 +72,7 @@ impl Null {
 }
 
 /// The first or the second half of a recording.
-pub(super) fn half(recording: &Recording, second: bool) -> Recording {
+pub fn half(recording: &Recording, second: bool) -> Recording {
     let mut half = recording.clone();
     half.links = None;
     half.rtt = None;

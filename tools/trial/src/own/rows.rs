@@ -107,13 +107,33 @@ pub(super) fn pair(command: &mut Command) -> [&mut Vec<f64>; 2] {
 }
 
 fn keep_stream<V: Columns>(stream: &mut Option<Stream<V>>, keep: &dyn Fn(f64) -> bool) {
+    let times_s = stream.as_ref().map(|own| own.t_s.clone());
+    keep_rows(stream, &times_s.unwrap_or_default(), keep);
+}
+
+fn keep_rows<V: Columns>(
+    stream: &mut Option<Stream<V>>,
+    times_s: &[f64],
+    keep: &dyn Fn(f64) -> bool,
+) {
     let Some(stream) = stream else { return };
-    let flags: Vec<bool> = stream.t_s.iter().map(|t_s| keep(*t_s)).collect();
+    let flags: Vec<bool> = times_s.iter().map(|t_s| keep(*t_s)).collect();
     stream.values.keep(&flags);
     keep_in(&mut stream.t_s, &flags);
     for column in &mut stream.unknown {
         keep_in(&mut column.cells, &flags);
     }
+}
+
+/// Keeps the rows of each stream at whose times, given beside it, `keep` holds.
+pub(super) fn keep_all_rows(robot: &mut Robot, times_s: [Vec<f64>; 6], keep: &dyn Fn(f64) -> bool) {
+    let [command, wheels, odometry, pose, imu, motor] = times_s;
+    keep_rows(&mut robot.command, &command, keep);
+    keep_rows(&mut robot.wheels, &wheels, keep);
+    keep_rows(&mut robot.odometry, &odometry, keep);
+    keep_rows(&mut robot.pose, &pose, keep);
+    keep_rows(&mut robot.imu, &imu, keep);
+    keep_rows(&mut robot.motor, &motor, keep);
 }
 
 /// Keeps the measurements of a robot at times of which `keep` holds.
