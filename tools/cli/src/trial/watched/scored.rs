@@ -7,8 +7,8 @@ use slipstream_trial::own::Change;
 
 use super::{Kind, raised};
 
-/// An onset this much before a change is not of it (s).
-const EARLY_S: f64 = 1.5;
+/// What is raised again with an onset this near (s) is the same alarm under a better name.
+const SAME_S: f64 = 3.0;
 
 /// One change.
 #[derive(Debug, Serialize)]
@@ -33,7 +33,7 @@ pub(super) struct Case {
     /// Whether the size lies within the interval.
     pub(super) in_interval: Option<bool>,
     /// Alarms of something before it.
-    pub(super) false_alarms: usize,
+    pub(super) false_alarms: Vec<String>,
 }
 
 impl Case {
@@ -46,11 +46,11 @@ impl Case {
         heard: &Recording,
     ) -> Self {
         let all = events.iter().filter_map(raised);
-        let (early, after): (Vec<_>, Vec<_>) = all.partition(|own| own.onset_s < onset_s - EARLY_S || own.t_s < onset_s);
+        let (early, after): (Vec<_>, Vec<_>) = all.partition(|own| own.t_s < onset_s);
         let first = after.first();
         // what is raised again with the same alarm is a better name for it
         let last = after.iter().take_while(|own| {
-            first.is_some_and(|first| (own.onset_s - first.onset_s).abs() < 2.0 * EARLY_S)
+            first.is_some_and(|first| (own.onset_s - first.onset_s).abs() < SAME_S)
         });
         let last = last.last();
         let robot = heard.robots.first();
@@ -80,7 +80,10 @@ impl Case {
             is_named: last.is_some_and(|own| is_it(&own.finding.effect)),
             onset_error_s: last.map(|own| own.onset_s - onset_s),
             in_interval,
-            false_alarms: early.len(),
+            false_alarms: early
+                .iter()
+                .map(|own| format!("{} since {:.1} s at {:.1} s", own.finding.effect, own.onset_s, own.t_s))
+                .collect(),
         }
     }
 }

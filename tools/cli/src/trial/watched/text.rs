@@ -12,7 +12,7 @@ const ONSET_S: f64 = 1.0;
 /// Prints scores.
 pub(super) fn print(scores: &Scores) {
     let minutes = scores.heard_s / 60.0;
-    let false_alarms: usize = scores.cases.iter().map(|own| own.false_alarms).sum();
+    let false_alarms: usize = scores.cases.iter().map(|own| own.false_alarms.len()).sum();
     print_line!(
         "{}: {minutes:.1} min heard, changes begin after {:.0} s; alarms without a change: {} in the unchanged copy, {false_alarms} before \
          {} changes",
@@ -66,7 +66,7 @@ fn words(own: &Case) -> String {
     let seconds = |own: Option<f64>| own.map_or("never".to_owned(), |own| format!("{own:.1} s"));
     let name = |own: &Option<String>| own.clone().unwrap_or_else(|| "nothing".to_owned());
     format!(
-        "{} {}{} {:+.4} ({} x): raised after {} (limit {}), as {}, at last {}, onset off {}, in interval {:?}",
+        "{} {}{} {:+.4} ({} x): raised after {} (limit {}), as {}, at last {}, onset off {}, in interval {:?}{}",
         own.effect,
         own.parameter,
         if own.both { " (both)" } else { "" },
@@ -78,5 +78,9 @@ fn words(own: &Case) -> String {
         name(&own.named_as),
         seconds(own.onset_error_s),
         own.in_interval,
+        match own.false_alarms.as_slice() {
+            [] => String::new(),
+            all => format!("; false: {}", all.join(", ")),
+        },
     )
 }
