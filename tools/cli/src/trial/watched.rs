@@ -55,7 +55,10 @@ pub(super) fn run(asked: &Asked<'_>) -> Result<Exit, Error> {
         let recording = asked.reading.read(path, &models)?.recording;
         let model = models.of("").or_else(|| recording.model.clone());
         let (mended, _) = mended(&recording, &|_| model.clone());
-        let own = Recording { model, ..alone(&mended) };
+        let own = Recording {
+            model,
+            ..alone(&mended)
+        };
         Ok(own)
     };
     let whole = read(asked.on)?;
@@ -87,7 +90,9 @@ pub(super) fn run(asked: &Asked<'_>) -> Result<Exit, Error> {
     for (number, kind) in kinds.iter().enumerate() {
         for (place, multiple) in MULTIPLES.into_iter().enumerate() {
             bar.inc(1);
-            let Some(smallest) = limits.last(kind) else { continue };
+            let Some(smallest) = limits.last(kind) else {
+                continue;
+            };
             let size = smallest * multiple;
             if size > kind.most {
                 continue;
@@ -97,7 +102,10 @@ pub(super) fn run(asked: &Asked<'_>) -> Result<Exit, Error> {
             let change = (kind.of)(signed);
             let copy = changed_since(&heard, &model, &change, onset_s);
             let events = replay(&mut watch, &copy);
-            scores.add(Case::new(kind, (multiple, signed), &change, onset_s, &events, &heard), limits.seen_s(kind, size));
+            scores.add(
+                Case::new(kind, (multiple, signed), &change, onset_s, &events, &heard),
+                limits.seen_s(kind, size),
+            );
         }
     }
     bar.finish_and_clear();
@@ -110,7 +118,11 @@ pub(super) fn run(asked: &Asked<'_>) -> Result<Exit, Error> {
 
 /// The baseline and what is heard: other recordings and the whole; of several runs all but the last and that one; or else
 /// both halves.
-fn parts(whole: &Recording, others: Vec<Recording>, model: &RobotModel) -> (Vec<Recording>, Recording) {
+fn parts(
+    whole: &Recording,
+    others: Vec<Recording>,
+    model: &RobotModel,
+) -> (Vec<Recording>, Recording) {
     let named = |own: Recording| Recording {
         model: Some(model.clone()),
         ..own
@@ -141,7 +153,9 @@ fn span_s(recording: &Recording) -> Option<[f64; 2]> {
     ];
     let ends = streams.into_iter().flatten();
     let ends = ends.flat_map(|own| [own.first().copied(), own.last().copied()]);
-    ends.flatten().map(|t_s| [t_s; 2]).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
+    ends.flatten()
+        .map(|t_s| [t_s; 2])
+        .reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
 }
 
 /// The smallest changes that would be seen, over time.
@@ -156,7 +170,9 @@ impl Limits {
         let is_it = |own: &&Smallest| {
             own.effect == kind.effect && own.parameter == kind.parameter && own.both == kind.both
         };
-        all.find(is_it).map(|own| own.size).filter(|own| own.is_finite())
+        all.find(is_it)
+            .map(|own| own.size)
+            .filter(|own| own.is_finite())
     }
 
     /// At the end.
@@ -167,7 +183,8 @@ impl Limits {
     /// How long after its begin a change of this size would be expected to be seen (s).
     fn seen_s(&self, kind: &Kind, size: f64) -> Option<f64> {
         let mut looks = self.looks.iter();
-        let is_seen = |own: &&(f64, Vec<Smallest>)| Self::of(&own.1, kind).is_some_and(|own| own <= size);
+        let is_seen =
+            |own: &&(f64, Vec<Smallest>)| Self::of(&own.1, kind).is_some_and(|own| own <= size);
         looks.find(is_seen).map(|own| own.0 - self.onset_s)
     }
 }
@@ -198,7 +215,10 @@ fn replay(watch: &mut Watch, copy: &Recording) -> Vec<Event> {
 
 /// The changes of which the recording would show any size.
 fn kinds(heard: &Recording, model: &RobotModel, limits: &Limits) -> Vec<Kind> {
-    let driven = heard.robots.first().is_some_and(|own| own.command.is_some());
+    let driven = heard
+        .robots
+        .first()
+        .is_some_and(|own| own.command.is_some());
     let b = model.robot.half_track_m;
     let [factor, stamp_s, place, turned_rad] = MOST;
     let kind = |effect, parameter, both, most, of| Kind {
@@ -209,21 +229,55 @@ fn kinds(heard: &Recording, model: &RobotModel, limits: &Limits) -> Vec<Kind> {
         of,
     };
     let mut all = vec![
-        kind("pose_latency", "latency_s", false, stamp_s, Change::PoseLate as fn(f64) -> Change),
+        kind(
+            "pose_latency",
+            "latency_s",
+            false,
+            stamp_s,
+            Change::PoseLate as fn(f64) -> Change,
+        ),
         kind("imu_latency", "latency_s", false, stamp_s, Change::GyroLate),
-        kind("wheels_latency", "latency_s", false, stamp_s, Change::WheelsLate),
-        kind("actuator_delay", "delay_s", false, stamp_s, Change::CommandLate),
-        kind("pose_offset", "x_m", false, place * b, |x| Change::Offset([x, 0.0])),
-        kind("pose_offset", "y_m", false, place * b, |y| Change::Offset([0.0, y])),
+        kind(
+            "wheels_latency",
+            "latency_s",
+            false,
+            stamp_s,
+            Change::WheelsLate,
+        ),
+        kind(
+            "actuator_delay",
+            "delay_s",
+            false,
+            stamp_s,
+            Change::CommandLate,
+        ),
+        kind("pose_offset", "x_m", false, place * b, |x| {
+            Change::Offset([x, 0.0])
+        }),
+        kind("pose_offset", "y_m", false, place * b, |y| {
+            Change::Offset([0.0, y])
+        }),
         kind("pose_offset", "yaw_rad", false, turned_rad, Change::Turned),
-        kind("motor_gain", "right", true, factor, |x| Change::Gain(x.exp())),
-        kind("encoder_scale", "right_scale", true, factor, |x| Change::Counts([x.exp(); 2])),
-        kind("encoder_scale", "left_scale", false, factor, |x| Change::Counts([1.0, x.exp()])),
+        kind("motor_gain", "right", true, factor, |x| {
+            Change::Gain(x.exp())
+        }),
+        kind("encoder_scale", "right_scale", true, factor, |x| {
+            Change::Counts([x.exp(); 2])
+        }),
+        kind("encoder_scale", "left_scale", false, factor, |x| {
+            Change::Counts([1.0, x.exp()])
+        }),
     ];
     if !driven {
-        all.push(kind("wheel_radius", "right_scale", true, factor, |x| Change::Radius([x.exp(); 2])));
-        all.push(kind("wheel_radius", "right_scale", false, factor, |x| Change::Radius([x.exp(), 1.0])));
-        all.push(kind("wheel_radius", "left_scale", false, factor, |x| Change::Radius([1.0, x.exp()])));
+        all.push(kind("wheel_radius", "right_scale", true, factor, |x| {
+            Change::Radius([x.exp(); 2])
+        }));
+        all.push(kind("wheel_radius", "right_scale", false, factor, |x| {
+            Change::Radius([x.exp(), 1.0])
+        }));
+        all.push(kind("wheel_radius", "left_scale", false, factor, |x| {
+            Change::Radius([1.0, x.exp()])
+        }));
     }
     all.retain(|own| limits.last(own).is_some());
     all

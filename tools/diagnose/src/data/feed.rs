@@ -46,6 +46,8 @@ pub(crate) enum Oddity {
 pub(crate) struct Habits {
     /// Wheels are logged when they change alone, so often (s).
     pub(crate) changes_every_s: Option<f64>,
+    /// How long a drive remembers its commands (s).
+    pub(crate) remembers_s: f64,
 }
 
 /// Streams as they come.
@@ -324,7 +326,7 @@ impl Feed {
         let path = &mut self.commands;
         let old = path
             .times_s
-            .partition_point(|t_s| *t_s < self.now_s - COMMANDS_S);
+            .partition_point(|t_s| *t_s < self.now_s - self.habits.remembers_s.max(COMMANDS_S));
         if old > 1 {
             // the last one of them still holds
             path.times_s.drain(..old - 1);
@@ -354,7 +356,9 @@ const JUMP_S: f64 = 60.0;
 /// By how much a counter that went from one count to another began again: both within its range, near its ends.
 fn wrap(from: i64, to: i64) -> Option<i64> {
     let change = to.wrapping_sub(from);
-    let within = |own: i64, lowest: i64| (lowest..lowest + own).contains(&from) && (lowest..lowest + own).contains(&to);
+    let within = |own: i64, lowest: i64| {
+        (lowest..lowest + own).contains(&from) && (lowest..lowest + own).contains(&to)
+    };
     let size = |change: i64| change.unsigned_abs() as f64;
     let mut all = WRAPS.into_iter();
     let own = all.find(|own| {
@@ -402,7 +406,10 @@ mod tests {
     fn a_counter_that_begins_again_runs_on() {
         let mut feed = Feed::new(Habits::default());
         let model = RobotModel::default();
-        assert!(feed.take(&robot(vec![5.0], vec![65_530]), &model).is_empty());
+        assert!(
+            feed.take(&robot(vec![5.0], vec![65_530]), &model)
+                .is_empty()
+        );
         let odd = feed.take(&robot(vec![5.1, 5.2], vec![4, 14]), &model);
         assert_eq!(odd.len(), 1);
         let tick = TAU / 100.0;
@@ -430,7 +437,13 @@ mod tests {
         let model = RobotModel::default();
         for k in 0..5000 {
             let t_s = f64::from(k) * 0.5;
-            feed.take(&robot(vec![t_s, t_s + 0.25], vec![10 * k.into(), 10 * i64::from(k) + 5]), &model);
+            feed.take(
+                &robot(
+                    vec![t_s, t_s + 0.25],
+                    vec![10 * k.into(), 10 * i64::from(k) + 5],
+                ),
+                &model,
+            );
         }
         assert!(feed.wheels.times_s.len() < 200 && feed.rows.len() <= MOST_WAITING);
     }

@@ -311,7 +311,11 @@ impl DriveRun {
             (row, rest, now.speed_rad_s)
         });
         let simulated: Vec<_> = simulated.collect();
-        for (channel, (sign, noise)) in [1.0, -1.0].into_iter().zip(self.noise(at, tails)).enumerate() {
+        for (channel, (sign, noise)) in [1.0, -1.0]
+            .into_iter()
+            .zip(self.noise(at, tails))
+            .enumerate()
+        {
             let half = |pair: &[S; 2]| (pair[0] + pair[1] * sign) * 0.5;
             let rows = simulated.iter().map(|(row, rest, speed)| ChannelRow {
                 time_s: row.time_s,

@@ -166,6 +166,18 @@ impl<S: Scalar> Lag<S> {
     }
 }
 
+/// Time of the slow response (s).
+pub(crate) fn slow_s<S: Scalar>(p: &[S]) -> S {
+    let log = p[SLOW_TIME];
+    let [least, most] = SLOW_LOG;
+    let log = if (least..=most).contains(&log.value()) {
+        log
+    } else {
+        S::constant(log.value().clamp(least, most))
+    };
+    log.exp() + SLOW_S
+}
+
 impl<'a, S: Scalar> Response<'a, S> {
     /// The response of a drive with parameters `p`. A saturation of 0 is none.
     pub(crate) fn new(commands: &'a CommandPath, p: &[S]) -> Self {
@@ -179,14 +191,7 @@ impl<'a, S: Scalar> Response<'a, S> {
         let limited = p[SATURATION].value() > 0.0;
         let slow = (p[SLOW_SHARE].value() != 0.0).then(|| {
             let share = (p[SLOW_SHARE] * (1.0 / MOST_SHARE)).tanh() * MOST_SHARE;
-            let log = p[SLOW_TIME];
-            let [least, most] = SLOW_LOG;
-            let log = if (least..=most).contains(&log.value()) {
-                log
-            } else {
-                S::constant(log.value().clamp(least, most))
-            };
-            (share, log.exp() + SLOW_S)
+            (share, slow_s(p))
         });
         let first = commands.speeds_rad_s[0];
         let mut pieces: Vec<Pair<Piece<S>>> = Vec::with_capacity(commands.times_s.len());

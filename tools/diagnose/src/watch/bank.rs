@@ -199,7 +199,10 @@ mod tests {
             bank.hear(0, &row(e, gain), 1.0);
         }
         let gain_of = |own: &Onset| own.sum.score[0].powi(2) / own.sum.information[(0, 0)];
-        let best = bank.onsets.iter().max_by(|a, b| gain_of(a).total_cmp(&gain_of(b)));
+        let best = bank
+            .onsets
+            .iter()
+            .max_by(|a, b| gain_of(a).total_cmp(&gain_of(b)));
         let best = best.unwrap();
         assert_eq!(best.t_s, 15.0);
         assert!((best.sum.score[0] / best.sum.information[(0, 0)] - size).abs() < 1e-9);
@@ -214,8 +217,18 @@ mod tests {
             most = most.max(bank.onsets.len());
         }
         assert!(most < 80, "{most}");
-        let recent: Vec<f64> = bank.onsets.iter().rev().take(8).map(|own| own.t_s).collect();
-        assert!(recent.windows(2).all(|pair| pair[0] - pair[1] == ONSET_STEP_S));
+        let recent: Vec<f64> = bank
+            .onsets
+            .iter()
+            .rev()
+            .take(8)
+            .map(|own| own.t_s)
+            .collect();
+        assert!(
+            recent
+                .windows(2)
+                .all(|pair| pair[0] - pair[1] == ONSET_STEP_S)
+        );
         assert_eq!(bank.onsets[0].t_s, 0.0);
         let old = bank.onsets[1].t_s;
         assert!(bank.onsets.back().unwrap().t_s - old <= OLDEST_S + ONSET_STEP_S);

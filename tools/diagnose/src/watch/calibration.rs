@@ -53,7 +53,9 @@ impl Calibration {
 
     /// Dispersion of a hypothesis over so long (s).
     pub(crate) fn of(&self, hypothesis: usize, over_s: f64) -> f64 {
-        let length = (over_s / SHORTEST_S).log2().clamp(0.0, LENGTHS as f64 - 1.0);
+        let length = (over_s / SHORTEST_S)
+            .log2()
+            .clamp(0.0, LENGTHS as f64 - 1.0);
         let (low, share) = (length as usize, length.fract());
         let own = &self.dispersion[hypothesis];
         let high = own[(low + 1).min(LENGTHS - 1)];
@@ -68,7 +70,9 @@ impl Calibration {
 
     /// A hypothesis strays so many times as far as was thought.
     pub(crate) fn widen(&mut self, hypothesis: usize, times: f64) {
-        self.dispersion[hypothesis].iter_mut().for_each(|own| *own *= times);
+        self.dispersion[hypothesis]
+            .iter_mut()
+            .for_each(|own| *own *= times);
     }
 }
 

@@ -3,6 +3,7 @@
 use slipstream_bus::RobotModel;
 
 use super::hypotheses::Hypothesis;
+use super::robot::Found;
 use super::statistic::Tested;
 use crate::answer::Finding;
 use crate::estimate::term::Link;
@@ -17,16 +18,19 @@ const HALF_WIDTH: f64 = 1.96;
 /// that fit as well, `tried` how many there are.
 pub(super) fn as_finding(
     own: &Hypothesis,
-    tested: &Tested,
+    found: &Found,
     (robot, model): (&str, &RobotModel),
-    alike: &[&'static str],
     tried: usize,
     span_s: [f64; 2],
 ) -> Finding {
+    let tested = &found.tested;
     let values = own.values.iter().map(|value| {
-        let (change, deviation) = tested.value(&value.weights);
-        let half = HALF_WIDTH * deviation;
-        Value::new(value.name, value.link, change, half)
+        let (change, _) = tested.value(&value.weights);
+        let [low, high] = interval(&found.same, &value.weights);
+        Value {
+            half: [change - low, high - change],
+            ..Value::new(value.name, value.link, change, 0.0)
+        }
     });
     let mut claim = Claim {
         effect: own.effect,
@@ -39,7 +43,7 @@ pub(super) fn as_finding(
         confused: own.confused.clone(),
         law: None,
     };
-    claim.confused.extend(alike);
+    claim.confused.extend(&found.alike);
     slipped(&mut claim);
     mirrored(&mut claim, own.mirror, model);
     claim.confused.sort_unstable();
@@ -47,6 +51,19 @@ pub(super) fn as_finding(
     let effect = claim.effect;
     claim.confused.retain(|other| *other != effect);
     finding(&claim, robot, &[], model, span_s).0
+}
+
+/// The 95 % interval of a number, whichever of these onsets it is.
+fn interval(same: &[Tested], weights: &[f64]) -> [f64; 2] {
+    let each = same.iter().map(|own| {
+        let (change, deviation) = own.value(weights);
+        [
+            change - HALF_WIDTH * deviation,
+            change + HALF_WIDTH * deviation,
+        ]
+    });
+    let both = each.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
+    both.unwrap_or_default()
 }
 
 /// Wheels that both carry less far, by more than tyres change, slip.

@@ -65,10 +65,16 @@ pub(crate) fn all(learnt: &Learnt, excluded: &[String]) -> Hypotheses {
         excluded,
         by_run: [false; 3],
     });
-    let places: Vec<usize> = learnt.parameters.iter().map(|own| index(*own, baseline)).collect();
+    let places: Vec<usize> = learnt
+        .parameters
+        .iter()
+        .map(|own| index(*own, baseline))
+        .collect();
     let smooth = table.terms.iter().filter(|term| term.is_smooth());
     let each = smooth.flat_map(|term| term.shown.iter().map(move |shown| (term, shown)));
-    let all = each.flat_map(|(term, shown)| of(&table, &places, term, shown)).collect();
+    let all = each
+        .flat_map(|(term, shown)| of(&table, &places, term, shown))
+        .collect();
     let alone = |index: &usize| {
         let mut weights = table.weights.iter();
         weights.position(|own| matches!(own[..], [(read, _)] if read == *index))
@@ -76,7 +82,11 @@ pub(crate) fn all(learnt: &Learnt, excluded: &[String]) -> Hypotheses {
     let spread = places.iter().map(|index| match alone(index) {
         Some(own) => {
             let prior = table.priors[own].deviation;
-            let wide = if table.priors[own].has_tails { UNKNOWN } else { prior };
+            let wide = if table.priors[own].has_tails {
+                UNKNOWN
+            } else {
+                prior
+            };
             [table.repeats(own).max(REPEATS), wide * wide]
         }
         None => [REPEATS, UNKNOWN * UNKNOWN],
@@ -118,12 +128,18 @@ fn of(table: &Table, places: &[usize], term: &Term, shown: &Attribution) -> Vec<
         weights: weights(own, &shown.parameters),
     };
     let deviation = |own: &usize| match table.priors[*own] {
-        Prior { has_tails: true, .. } => CHANGE,
+        Prior {
+            has_tails: true, ..
+        } => CHANGE,
         own => own.deviation,
     };
     let whole = Hypothesis {
         effect: shown.effect,
-        plausible: shown.parameters.iter().map(|own| deviation(own).powi(2)).collect(),
+        plausible: shown
+            .parameters
+            .iter()
+            .map(|own| deviation(own).powi(2))
+            .collect(),
         directions,
         values: shown.values.iter().map(value).collect(),
         confused: shown.confused.clone(),
@@ -138,7 +154,10 @@ fn of(table: &Table, places: &[usize], term: &Term, shown: &Attribution) -> Vec<
 
 fn weights(own: &Value, parameters: &[usize]) -> Vec<f64> {
     let of = |parameter: &usize| own.weights.iter().find(|(index, _)| index == parameter);
-    parameters.iter().map(|own| of(own).map_or(0.0, |own| own.1)).collect()
+    parameters
+        .iter()
+        .map(|own| of(own).map_or(0.0, |own| own.1))
+        .collect()
 }
 
 /// Of an effect with a factor for each wheel: one wheel alone, the other, both alike.
@@ -156,7 +175,11 @@ fn wheels(whole: &Hypothesis) -> Vec<Hypothesis> {
     let along = |sizes: [f64; 2]| {
         let own = &inverse * nalgebra::DVector::from_column_slice(&sizes);
         let directions = &whole.directions * own;
-        let values = whole.values.iter().zip(sizes).filter(|(_, size)| *size != 0.0);
+        let values = whole
+            .values
+            .iter()
+            .zip(sizes)
+            .filter(|(_, size)| *size != 0.0);
         Hypothesis {
             directions: DMatrix::from_column_slice(directions.len(), 1, directions.as_slice()),
             plausible: vec![CHANGE * CHANGE],

@@ -84,8 +84,16 @@ impl Kinematic {
         let drive = drive.map(|own| add(2, 3, &own.parameters.places));
         let own = Self {
             poses: series(poses.unwrap_or_default()),
-            rates: rates.unwrap_or_default().into_iter().map(Series::new).collect(),
-            drive: drive.unwrap_or_default().into_iter().map(Series::new).collect(),
+            rates: rates
+                .unwrap_or_default()
+                .into_iter()
+                .map(Series::new)
+                .collect(),
+            drive: drive
+                .unwrap_or_default()
+                .into_iter()
+                .map(Series::new)
+                .collect(),
             evidence: Evidence::default(),
             learnt,
             heard: [0; 2],
@@ -110,7 +118,9 @@ impl Kinematic {
             }
             let base = Response::new(&feed.commands, &drive.base);
             let after = drive.after.iter();
-            let after: Vec<_> = after.map(|own| Response::new(&feed.commands, own)).collect();
+            let after: Vec<_> = after
+                .map(|own| Response::new(&feed.commands, own))
+                .collect();
             let places = drive.places.clone();
             let wheels = Wheels {
                 base: &base,
@@ -294,7 +304,9 @@ impl Kinematic {
         let own = &driven.parameters;
         let base = Simulated::new(&feed.commands, &own.base);
         let after = own.after.iter();
-        let after: Vec<Simulated<'_>> = after.map(|own| Simulated::new(&feed.commands, own)).collect();
+        let after: Vec<Simulated<'_>> = after
+            .map(|own| Simulated::new(&feed.commands, own))
+            .collect();
         while let Some((t_s, value)) = feed.rows.pop_front() {
             let told = feed.commands.at(t_s).unwrap_or([0.0; 2]);
             let last_s = self.drive[0].last_s;
@@ -365,7 +377,11 @@ impl Row<'_> {
     }
 
     /// As the channel's filter hears it, after the wheels were simulated from `simulated` on; and how far they turned.
-    fn of(&self, (before, now): &(Turning<f64>, Turning<f64>), simulated: f64) -> (ChannelRow<f64>, f64) {
+    fn of(
+        &self,
+        (before, now): &(Turning<f64>, Turning<f64>),
+        simulated: f64,
+    ) -> (ChannelRow<f64>, f64) {
         let simulated = simulated + self.half(now.angle_rad) - self.half(before.angle_rad);
         let speed_rad_s = self.half(now.speed_rad_s);
         let predicted = match self.driven.kind {
@@ -437,7 +453,12 @@ fn whitening(own: &Innovation<f64>) -> [[f64; 3]; 3] {
         return [[w * root, 0.0, 0.0], [0.0; 3], [0.0; 3]];
     }
     let factor = inverse_factor(&own.covariance);
-    let white = factor.map(|row| row.iter().zip(&own.difference).map(|(w, e)| w * e).sum::<f64>());
+    let white = factor.map(|row| {
+        row.iter()
+            .zip(&own.difference)
+            .map(|(w, e)| w * e)
+            .sum::<f64>()
+    });
     let size = white.iter().map(|own| own * own).sum::<f64>().sqrt();
     let root = counts(size, 3.0);
     factor.map(|row| row.map(|own| own * root))

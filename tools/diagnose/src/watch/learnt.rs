@@ -8,7 +8,8 @@ use crate::filter::wheel_channel::{ChannelNoise, Tails};
 use crate::filter::wheels_to_pose::{self, Noise, Physics, WheelsToPose};
 use crate::model::command_to_wheels::CommandToWheels;
 use crate::model::drive::{
-    AVERAGED, DEAD_ZONE, DELAY, DRIVE, FRICTION, GAIN, GAIN_ASYMMETRY, LAG, PULL,
+    AVERAGED, DEAD_ZONE, DELAY, DRIVE, FRICTION, GAIN, GAIN_ASYMMETRY, LAG, PULL, SLOW_SHARE,
+    slow_s,
 };
 use crate::model::from_wheels::{
     ASYMMETRY, COMMON, DRIVE_FIRST, GYRO_LATENCY, MACHINE, OFFSET_X, OFFSET_Y, OFFSET_YAW,
@@ -16,11 +17,11 @@ use crate::model::from_wheels::{
     pose_parameters,
 };
 
-/// Changes by which filters are differentiated: factors, lengths (m) and angles; latencies of references (s), which
-/// have to be beyond the interval of interpolated wheels' kinks; times of a drive (s); speeds as a share of the largest.
+/// Changes by which filters are differentiated: factors, lengths (m) and angles; times (s), which are as large as those that
+/// are looked for, since what is late by more than a drive takes to follow is not seen by a derivative; speeds as a share of
+/// the largest.
 const FACTOR: f64 = 1e-4;
-const LATENCY_S: f64 = 5e-3;
-const DRIVE_S: f64 = 2e-3;
+const LATE_S: f64 = 0.05;
 const SPEED_SHARE: f64 = 1e-3;
 
 /// A number that filters read.
@@ -45,15 +46,7 @@ const OF_MACHINE: [usize; 8] = [
     POSE_LATENCY,
     GYRO_LATENCY,
 ];
-const OF_DRIVE: [usize; 7] = [
-    DELAY,
-    LAG,
-    GAIN,
-    GAIN_ASYMMETRY,
-    DEAD_ZONE,
-    FRICTION,
-    PULL,
-];
+const OF_DRIVE: [usize; 7] = [DELAY, LAG, GAIN, GAIN_ASYMMETRY, DEAD_ZONE, FRICTION, PULL];
 
 /// Which rows are filtered in which of the interleaved series.
 #[derive(Debug, Clone, Copy)]
@@ -131,7 +124,8 @@ impl Learnt {
         let fitted = baseline.fitted();
         let at = &baseline.found.selected.fit.at;
         let all = fitted.machine_at(at);
-        let local = mean((0..baseline.machine.runs.len()).map(|run| baseline.machine.local(run, &all)));
+        let local =
+            mean((0..baseline.machine.runs.len()).map(|run| baseline.machine.local(run, &all)));
         let drive = fitted.drive_at(at);
         let parameters = parameters(&baseline);
         let steps: Vec<f64> = parameters.iter().map(|own| step(*own, &baseline)).collect();
@@ -161,7 +155,9 @@ impl Learnt {
 
     /// Which of the parameters is the bias of the gyro.
     pub(crate) fn bias(&self) -> Option<usize> {
-        self.parameters.iter().position(|own| *own == Parameter::Bias)
+        self.parameters
+            .iter()
+            .position(|own| *own == Parameter::Bias)
     }
 
     /// When (s) a row of poses or of the gyro with this stamp was measured, clocks alike.
@@ -181,12 +177,7 @@ impl Learnt {
 
 impl<P: PartialEq> Moved<P> {
     /// What `reads` makes of the parameters of a run and of those after each change, of all that make a difference.
-    fn new(
-        local: &[f64],
-        locals: &[Vec<f64>],
-        steps: &[f64],
-        reads: impl Fn(&[f64]) -> P,
-    ) -> Self {
+    fn new(local: &[f64], locals: &[Vec<f64>], steps: &[f64], reads: impl Fn(&[f64]) -> P) -> Self {
         let base = reads(local);
         let mut own = Self {
             base,
@@ -246,8 +237,8 @@ fn step(own: Parameter, baseline: &Baseline) -> f64 {
         None => baseline.machine.largest_rad_s(),
     };
     match own {
-        Parameter::Machine(POSE_LATENCY | GYRO_LATENCY) => LATENCY_S,
-        Parameter::Drive(DELAY | LAG) => DRIVE_S,
+        Parameter::Machine(POSE_LATENCY | GYRO_LATENCY) => LATE_S,
+        Parameter::Drive(DELAY | LAG) => LATE_S,
         Parameter::Drive(DEAD_ZONE | FRICTION | PULL) => SPEED_SHARE * top,
         _ => FACTOR,
     }
@@ -265,12 +256,7 @@ fn moved_local(own: Parameter, step: f64, local: &[f64], has_drive: bool) -> Vec
     moved
 }
 
-fn poses(
-    baseline: &Baseline,
-    local: &[f64],
-    locals: &[Vec<f64>],
-    steps: &[f64],
-) -> Option<Poses> {
+fn poses(baseline: &Baseline, local: &[f64], locals: &[Vec<f64>], steps: &[f64]) -> Option<Poses> {
     let machine = &baseline.machine;
     let run = machine.runs.iter().find(|run| run.pose.is_some())?;
     let filter = machine.pose_filter(run, &[], true);
@@ -286,12 +272,7 @@ fn poses(
     })
 }
 
-fn rates(
-    baseline: &Baseline,
-    local: &[f64],
-    locals: &[Vec<f64>],
-    steps: &[f64],
-) -> Option<Rates> {
+fn rates(baseline: &Baseline, local: &[f64], locals: &[Vec<f64>], steps: &[f64]) -> Option<Rates> {
     let machine = &baseline.machine;
     let run = machine.runs.iter().find(|run| run.gyro.is_some())?;
     let filter = machine.gyro_filter(&[], true);
@@ -319,6 +300,23 @@ fn driven(drive: &CommandToWheels, own: &[f64], all: &[Parameter], steps: &[f64]
         kind: run.wheels.kind,
         by_volts: run.commands.by_volts,
         largest_rad_s: drive.largest_rad_s,
+    }
+}
+
+/// Times of a slow response after which it is forgotten, and the longest that is kept (s).
+const FORGETS: f64 = 4.0;
+const MOST_REMEMBERED_S: f64 = 120.0;
+
+/// How long a drive remembers its commands (s).
+pub(crate) fn remembers_s(baseline: &Baseline) -> f64 {
+    let fitted = baseline.fitted();
+    let at = &baseline.found.selected.fit.at;
+    let all = fitted.machine_at(at);
+    let drive = fitted.drive_at(at);
+    let drive = drive.as_deref().unwrap_or(&all[DRIVE_FIRST..]);
+    match drive[SLOW_SHARE] {
+        0.0 => 0.0,
+        _ => (FORGETS * slow_s(drive)).min(MOST_REMEMBERED_S),
     }
 }
 

@@ -18,6 +18,8 @@ use crate::select::criterion::TIE_NATS;
 const LEAST_S: f64 = 1.0;
 /// A robot wanders within a run by this share of the deviation between recordings.
 const WITHIN_RUN: f64 = 0.25;
+/// Onsets within this of the best lie in its 95 % interval (nats).
+const INTERVAL_NATS: f64 = 1.92;
 /// Onsets older than this (s) are looked at every eighth of their age.
 const YOUNG_S: f64 = 4.0;
 /// Precision (s²/rad²) with which a bias of a gyro stays as it was before an onset.
@@ -29,6 +31,8 @@ pub(super) struct Found {
     pub(super) onset_s: f64,
     pub(super) hypothesis: usize,
     pub(super) tested: Tested,
+    /// The same from onsets that fit nearly as well, this one among them.
+    pub(super) same: Vec<Tested>,
     /// Effects that fit as well.
     pub(super) alike: Vec<&'static str>,
 }
@@ -182,7 +186,9 @@ impl Watched {
     /// What changed is what is from now on.
     pub(super) fn absorb(&mut self, onset_s: f64) {
         let mut onsets = self.bank.onsets.iter();
-        let own = onsets.find(|own| own.t_s >= onset_s).or(self.bank.onsets.front());
+        let own = onsets
+            .find(|own| own.t_s >= onset_s)
+            .or(self.bank.onsets.front());
         let wide = DMatrix::from_diagonal(&DVector::from_column_slice(&self.hypotheses.wide));
         let known = own.and_then(|own| {
             let wide = Known {
@@ -245,10 +251,15 @@ impl Watched {
             .collect();
         alike.sort_unstable();
         alike.dedup();
+        let same = scored
+            .iter()
+            .filter(|own| own.1 == hypothesis && own.3 > factor - INTERVAL_NATS);
+        let same: Vec<Tested> = same.map(|own| own.2.clone()).collect();
         Some(Found {
             onset_s,
             hypothesis,
             tested: tested.clone(),
+            same,
             alike,
         })
     }

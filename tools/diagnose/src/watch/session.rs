@@ -9,6 +9,7 @@ use slipstream_recording::{Pieces, Recording, joined};
 
 use super::alarm::{Alarm, State};
 use super::change::as_finding;
+use super::learnt::remembers_s;
 use super::robot::{FALSE_ALARM_LOOKS, Found, Smallest, Watched};
 use super::silence::Silence;
 use crate::answer::{Answer, Finding, Warning};
@@ -134,7 +135,9 @@ impl Watch {
             let own = known.find(|own| is_alone || own.watched.name == robot.name);
             match own {
                 Some(own) => own.hear(robot, &piece.name, &mut events),
-                None if !self.unknown.contains(&robot.name) && self.unknown.len() < MOST_UNKNOWN => {
+                None if !self.unknown.contains(&robot.name)
+                    && self.unknown.len() < MOST_UNKNOWN =>
+                {
                     self.unknown.push(robot.name.clone());
                     events.push(not_in_baseline(robot, &piece.name));
                 }
@@ -149,7 +152,13 @@ impl Watch {
         self.kept.push_back(piece.clone());
         let now_s = self.robots.iter().map(|own| own.watched.now_s());
         let until_s = now_s.fold(f64::NEG_INFINITY, f64::max) - KEPT_S;
-        let old = |piece: &Recording| piece.robots.iter().filter_map(last_s).all(|t_s| t_s < until_s);
+        let old = |piece: &Recording| {
+            piece
+                .robots
+                .iter()
+                .filter_map(last_s)
+                .all(|t_s| t_s < until_s)
+        };
         while self.kept.len() > MOST_KEPT || self.kept.front().is_some_and(old) {
             self.kept.pop_front();
         }
@@ -166,7 +175,8 @@ impl Watch {
         alarm.asks(self.questions);
         let named = |from_s: f64| {
             let mut rows = joined(self.kept.iter(), from_s)?;
-            rows.robots.retain(|robot| self.is_alone || robot.name == own.watched.name);
+            rows.robots
+                .retain(|robot| self.is_alone || robot.name == own.watched.name);
             Some(rows)
         };
         let mut against = Arc::clone(&self.baseline);
@@ -187,7 +197,11 @@ impl Watch {
     }
 
     /// Hears what a diagnosis said.
-    pub fn answered(&mut self, question: &Question, answer: &Result<Answer, InputError>) -> Vec<Event> {
+    pub fn answered(
+        &mut self,
+        question: &Question,
+        answer: &Result<Answer, InputError>,
+    ) -> Vec<Event> {
         let mut robots = self.robots.iter_mut();
         let own = robots.find(|own| own.watched.name == question.robot);
         own.map_or_else(Vec::new, |own| own.answered(question.number, answer))
@@ -259,16 +273,23 @@ fn learnt(request: &Request<'_>, machine: &Runs<'_>) -> Result<Robots, InputErro
         illustrate: None,
         before: None,
     })?;
-    let changes = machine.iter().filter_map(|(_, robot)| changes_every_s(robot, &model));
+    let changes = machine
+        .iter()
+        .filter_map(|(_, robot)| changes_every_s(robot, &model));
     let habits = Habits {
         changes_every_s: changes.reduce(f64::max),
+        remembers_s: remembers_s(&baseline),
     };
     let runs: Vec<Vec<Robot>> = machine.iter().map(|(_, robot)| cut(robot)).collect();
     progress("how far it strays by itself");
     let watched = Watched::new(name, &model, baseline, (habits, request.excluded), &runs);
     let watched = watched.ok_or_else(|| {
         let remedy = "drive some metres with turns, with wheels or commands and a pose or a gyro";
-        InputError::new(name, "is no baseline: its rows tell nothing of the robot", remedy)
+        InputError::new(
+            name,
+            "is no baseline: its rows tell nothing of the robot",
+            remedy,
+        )
     })?;
     let robots = machine.iter().map(|(_, robot)| *robot);
     Ok(Robots {
@@ -287,7 +308,9 @@ fn cut(robot: &Robot) -> Vec<Robot> {
         ..Recording::default()
     };
     let pieces = Pieces::new(alone, PIECE_S);
-    pieces.filter_map(|(_, own)| own.robots.into_iter().next()).collect()
+    pieces
+        .filter_map(|(_, own)| own.robots.into_iter().next())
+        .collect()
 }
 
 impl Robots {
@@ -390,7 +413,7 @@ impl Robots {
         let span_s = [found.onset_s, self.watched.now_s()].map(|t_s| t_s + origin_s);
         let robot = (self.watched.name.as_str(), &self.watched.improved);
         let tried = self.watched.hypotheses.all.len();
-        as_finding(own, &found.tested, robot, &found.alike, tried, span_s)
+        as_finding(own, found, robot, tried, span_s)
     }
 
     fn event(&self, found: &Found, finding: Option<Finding>, state: State) -> Event {

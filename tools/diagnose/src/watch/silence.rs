@@ -52,7 +52,9 @@ impl Silence {
                 is_silent: false,
             })
         };
-        let listened = STREAMS.into_iter().filter(|(name, _)| !(rests && *name == "wheels"));
+        let listened = STREAMS
+            .into_iter()
+            .filter(|(name, _)| !(rests && *name == "wheels"));
         Self(listened.filter_map(of).collect())
     }
 
@@ -89,7 +91,11 @@ impl Silence {
                 )),
                 (true, false) => said.push((
                     now_s,
-                    ("stream_back", format!("{name}: rows come again"), "nothing to do"),
+                    (
+                        "stream_back",
+                        format!("{name}: rows come again"),
+                        "nothing to do",
+                    ),
                 )),
                 _ => (),
             }

@@ -39,11 +39,16 @@ impl Tested {
 
     /// How large each number has to be, alone, for the factor to be expected to reach `least` (nats).
     pub(crate) fn smallest(&self, plausible: &[f64], least: f64) -> Option<Vec<f64>> {
-        let wide = &self.covariance + DMatrix::from_diagonal(&DVector::from_column_slice(plausible));
+        let wide =
+            &self.covariance + DMatrix::from_diagonal(&DVector::from_column_slice(plausible));
         let [known, wide] = [factored(&self.covariance)?, factored(&wide)?];
         let needed = 2.0 * least + wide.ln_determinant() - known.ln_determinant();
         let gained = known.inverse() - wide.inverse();
-        Some((0..plausible.len()).map(|i| (needed / gained[(i, i)]).sqrt()).collect())
+        Some(
+            (0..plausible.len())
+                .map(|i| (needed / gained[(i, i)]).sqrt())
+                .collect(),
+        )
     }
 
     /// A sum of its numbers with its deviation.
@@ -124,7 +129,8 @@ pub(crate) fn test(
     let change = change.rows(0, k).into_owned();
     let covariance = symmetric(covariance.view((0, 0), (k, k)).into_owned());
     let covariance = covariance * own.inflation * own.inflation;
-    let plausible = &covariance + DMatrix::from_diagonal(&DVector::from_column_slice(&own.plausible));
+    let plausible =
+        &covariance + DMatrix::from_diagonal(&DVector::from_column_slice(&own.plausible));
     let [known, plausible] = [factored(&covariance)?, factored(&plausible)?];
     let wald = change.dot(&known.solve(&change));
     let rest = change.dot(&plausible.solve(&change));

@@ -48,11 +48,15 @@ fn run_on(robot: &mut Robot, own: &Robot, since_s: f64) {
     let (Some(wheels), Some(own)) = (robot.wheels.as_mut(), own.wheels.as_ref()) else {
         return;
     };
-    let row = own.t_s.partition_point(|t_s| *t_s < since_s).saturating_sub(1);
+    let row = own
+        .t_s
+        .partition_point(|t_s| *t_s < since_s)
+        .saturating_sub(1);
     match (&mut wheels.values, &own.values) {
         (Wheels::Ticks { right, left }, Wheels::Ticks { right: a, left: b }) => {
             for (column, own) in [(right, a), (left, b)] {
-                if let (Some(Some(now)), Some(Some(was))) = (column.get(row).copied(), own.get(row)) {
+                if let (Some(Some(now)), Some(Some(was))) = (column.get(row).copied(), own.get(row))
+                {
                     let by = was - now;
                     column.iter_mut().flatten().for_each(|own| *own += by);
                 }
@@ -81,7 +85,7 @@ fn run_on(robot: &mut Robot, own: &Robot, since_s: f64) {
 
 #[cfg(test)]
 mod tests {
-    use slipstream_recording::recording::Stream;
+    use slipstream_recording::recording::{Command, Stream};
 
     use super::*;
 
@@ -108,7 +112,37 @@ mod tests {
             panic!("no wheels")
         };
         let counts = |own: &[Option<i64>]| own.iter().flatten().copied().collect::<Vec<i64>>();
-        assert_eq!(counts(&right), [0, 100, 200, 300, 400, 550, 700, 850, 1000, 1150]);
-        assert_eq!(counts(&left), (0..10).map(|k| 100 * k).collect::<Vec<i64>>());
+        assert_eq!(
+            counts(&right),
+            [0, 100, 200, 300, 400, 550, 700, 850, 1000, 1150]
+        );
+        assert_eq!(
+            counts(&left),
+            (0..10).map(|k| 100 * k).collect::<Vec<i64>>()
+        );
+    }
+
+    #[test]
+    fn commands_act_later_from_then_on() {
+        let mut robot = Robot::named("r1");
+        robot.command = Some(Stream {
+            t_s: (0..10).map(f64::from).collect(),
+            values: Command::Twist {
+                v_m_s: (0..10).map(f64::from).collect(),
+                w_rad_s: vec![0.0; 10],
+            },
+            unknown: Vec::new(),
+        });
+        let recording = Recording {
+            robots: vec![robot],
+            ..Recording::default()
+        };
+        let change = Change::CommandLate(0.25);
+        let own = changed_since(&recording, &RobotModel::default(), &change, 4.5);
+        let times_s = &own.robots[0].command.as_ref().unwrap().t_s;
+        assert_eq!(
+            times_s[..],
+            [0.0, 1.0, 2.0, 3.0, 4.0, 4.75, 5.75, 6.75, 7.75, 8.75]
+        );
     }
 }
