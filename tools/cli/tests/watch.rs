@@ -96,9 +96,16 @@ impl Drive {
             let turned = [v + HALF_TRACK_M * w, v - HALF_TRACK_M * w];
             let turned = [0, 1].map(|i| 1e-3 * turned[i] / RADII_M[i]);
             angles = [0, 1].map(|i| angles[i] + turned[i]);
-            let factor = if self.grows && t_s >= GROWN_S { GROWN } else { 1.0 };
+            let factor = if self.grows && t_s >= GROWN_S {
+                GROWN
+            } else {
+                1.0
+            };
             let ways = [factor * RADII_M[0] * turned[0], RADII_M[1] * turned[1]];
-            let (way, turn) = ((ways[0] + ways[1]) / 2.0, (ways[0] - ways[1]) / (2.0 * HALF_TRACK_M));
+            let (way, turn) = (
+                (ways[0] + ways[1]) / 2.0,
+                (ways[0] - ways[1]) / (2.0 * HALF_TRACK_M),
+            );
             let middle = yaw + turn / 2.0;
             (x, y, yaw) = (x + way * middle.cos(), y + way * middle.sin(), yaw + turn);
         }
@@ -115,7 +122,10 @@ impl Drive {
         std::fs::create_dir_all(recording.join("r1")).unwrap();
         std::fs::write(recording.join("r1/wheels.csv"), wheels).unwrap();
         std::fs::write(recording.join("r1/pose.csv"), poses).unwrap();
-        let about = format!("format = 1\nname = \"{}\"\n[robots.r1]\npose_point = \"axle\"\n", self.name);
+        let about = format!(
+            "format = 1\nname = \"{}\"\n[robots.r1]\npose_point = \"axle\"\n",
+            self.name
+        );
         std::fs::write(recording.join("recording.toml"), about).unwrap();
     }
 }
@@ -132,7 +142,18 @@ fn folder(drive: Drive) -> TempDir {
 
 /// Arguments of a watch beside `monday`.
 fn arguments<'a>(source: &'a str, more: &[&'a str]) -> Vec<&'a str> {
-    [&["watch", source, "--robot", "robot.toml", "--against", "monday"], more].concat()
+    [
+        &[
+            "watch",
+            source,
+            "--robot",
+            "robot.toml",
+            "--against",
+            "monday",
+        ],
+        more,
+    ]
+    .concat()
 }
 
 /// Watches beside `monday`, which must end with this exit code; what is printed.
@@ -140,7 +161,11 @@ fn watch(folder: &TempDir, source: &str, more: &[&str], code: i32) -> String {
     let arguments = arguments(source, more);
     let output = slipstream(folder.path(), &arguments);
     let (stdout, stderr) = texts(&output);
-    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {stdout}{stderr}");
+    assert_eq!(
+        output.status.code(),
+        Some(code),
+        "{arguments:?}: {stdout}{stderr}"
+    );
     stdout
 }
 
@@ -166,13 +191,18 @@ fn kept(rows: &str, keeps: impl Fn(f64) -> bool) -> String {
         let first = line.split(',').next().unwrap_or_default();
         first.parse().map_or(true, &keeps)
     };
-    rows.lines().filter(is_kept).fold(String::new(), |text, line| text + line + "\n")
+    rows.lines()
+        .filter(is_kept)
+        .fold(String::new(), |text, line| text + line + "\n")
 }
 
 #[test]
 fn where_nothing_changed_nothing_is_said() {
     let folder = folder(TODAY);
-    assert_eq!(watch(&folder, "today", &["--exit-on", "change"], 0), "No change.\n");
+    assert_eq!(
+        watch(&folder, "today", &["--exit-on", "change"], 0),
+        "No change.\n"
+    );
     // the recording is the baseline itself: no change as a line of JSON is no line
     assert_eq!(watch(&folder, "monday", &["--json", "-"], 0), "");
 }
@@ -180,7 +210,10 @@ fn where_nothing_changed_nothing_is_said() {
 /// The factor of the right wheel over what the baseline has, and its interval.
 fn grown(change: &Value) -> (f64, [f64; 2]) {
     let parameters = change["finding"]["parameters"].as_array().unwrap();
-    let right = parameters.iter().find(|own| own["name"] == "right_scale").unwrap();
+    let right = parameters
+        .iter()
+        .find(|own| own["name"] == "right_scale")
+        .unwrap();
     let was = right["nominal"].as_f64().unwrap();
     let over = |value: &Value| value.as_f64().unwrap() / was;
     let interval = [over(&right["ci95"][0]), over(&right["ci95"][1])];
@@ -189,10 +222,16 @@ fn grown(change: &Value) -> (f64, [f64; 2]) {
 
 #[test]
 fn a_wheel_that_grows_is_raised_and_confirmed_as_lines_of_json_alone() {
-    let folder = folder(Drive { seconds: 17, ..GROWS });
+    let folder = folder(Drive {
+        seconds: 17,
+        ..GROWS
+    });
     let stdout = watch(&folder, "grows", &["--json", "-", "--exit-on", "change"], 3);
     let all = lines(&stdout);
-    let states: Vec<&str> = all.iter().map(|own| own["state"].as_str().unwrap()).collect();
+    let states: Vec<&str> = all
+        .iter()
+        .map(|own| own["state"].as_str().unwrap())
+        .collect();
     assert_eq!(states, ["raised", "confirmed"], "{stdout}");
     for own in &all {
         assert_eq!(own["robot"], "r1");
@@ -201,7 +240,10 @@ fn a_wheel_that_grows_is_raised_and_confirmed_as_lines_of_json_alone() {
         assert!((onset_s - GROWN_S).abs() <= 1.0, "since {onset_s} s");
     }
     let raised_s = all[0]["t_s"].as_f64().unwrap();
-    assert!((GROWN_S..GROWN_S + 4.0).contains(&raised_s), "raised at {raised_s} s");
+    assert!(
+        (GROWN_S..GROWN_S + 4.0).contains(&raised_s),
+        "raised at {raised_s} s"
+    );
     let (factor, [low, high]) = grown(&all[1]);
     assert!(low <= GROWN && GROWN <= high, "{factor} ({low} to {high})");
     assert!(low > 1.02, "{low}: from no change at all");
@@ -220,7 +262,9 @@ fn viewed(port: u16) -> Vec<Vec<u8>> {
     let mut sent = Vec::new();
     loop {
         match socket.read() {
-            Ok(Message::Text(text)) => subscribe(&mut socket, &serde_json::from_str(&text).unwrap()),
+            Ok(Message::Text(text)) => {
+                subscribe(&mut socket, &serde_json::from_str(&text).unwrap())
+            }
             // opcode, subscription, time, bytes
             Ok(Message::Binary(bytes)) if bytes[0] == 1 => sent.push(bytes[13..].to_vec()),
             Ok(_) => {}
@@ -237,7 +281,9 @@ fn connected(port: u16) -> Socket {
         let address = format!("ws://127.0.0.1:{port}");
         let mut request = address.into_client_request().unwrap();
         let protocol = "foxglove.sdk.v1".parse().unwrap();
-        request.headers_mut().insert("Sec-WebSocket-Protocol", protocol);
+        request
+            .headers_mut()
+            .insert("Sec-WebSocket-Protocol", protocol);
         match tungstenite::connect(request) {
             Ok((socket, _)) => return socket,
             Err(error) => assert!(began.elapsed() < Duration::from_secs(20), "{error}"),
@@ -249,7 +295,8 @@ fn connected(port: u16) -> Socket {
 fn subscribe(socket: &mut Socket, said: &Value) {
     for channel in said["channels"].as_array().into_iter().flatten() {
         assert_eq!(channel["topic"], "/slipstream/changes");
-        let wish = json!({"op": "subscribe", "subscriptions": [{"id": 1, "channelId": channel["id"]}]});
+        let wish =
+            json!({"op": "subscribe", "subscriptions": [{"id": 1, "channelId": channel["id"]}]});
         socket.send(Message::text(wish.to_string())).unwrap();
     }
 }
@@ -275,23 +322,46 @@ fn a_replay_says_the_same_every_time_and_to_a_viewer() {
     assert_eq!(texts(&again).0, first);
     assert!(first.contains("s, robot r1: since 4."), "{first}");
     assert!(first.contains("the right wheel is"), "{first}");
-    let files = ["first.jsonl", "again.jsonl"].map(|own| std::fs::read(folder.path().join(own)).unwrap());
+    let files =
+        ["first.jsonl", "again.jsonl"].map(|own| std::fs::read(folder.path().join(own)).unwrap());
     assert!(files[0] == files[1], "other bytes");
     let of_file = lines(&String::from_utf8(files[0].clone()).unwrap());
     assert!(!of_file.is_empty());
-    let sent: Vec<Value> = sent.iter().map(|own| serde_json::from_slice(own).unwrap()).collect();
+    let sent: Vec<Value> = sent
+        .iter()
+        .map(|own| serde_json::from_slice(own).unwrap())
+        .collect();
     assert_eq!(sent, of_file);
 }
 
 #[test]
 fn the_check_of_the_morning_is_green_or_says_the_change() {
     let folder = folder(TODAY);
-    let green = watch(&folder, "today", &["--once", "10s", "--exit-on", "change"], 0);
+    let green = watch(
+        &folder,
+        "today",
+        &["--once", "10s", "--exit-on", "change"],
+        0,
+    );
     assert_eq!(green, "No change since monday, in 10 s of driving.\n");
-    Drive { name: "flat", ..TODAY }.write_rows(folder.path(), flat());
-    let once = ["--once", "10s", "--exit-on", "change", "--json", "once.jsonl"];
+    Drive {
+        name: "flat",
+        ..TODAY
+    }
+    .write_rows(folder.path(), flat());
+    let once = [
+        "--once",
+        "10s",
+        "--exit-on",
+        "change",
+        "--json",
+        "once.jsonl",
+    ];
     let changed = watch(&folder, "flat", &once, 3);
-    assert!(changed.contains("the right wheel is") && changed.contains("% larger"), "{changed}");
+    assert!(
+        changed.contains("the right wheel is") && changed.contains("% larger"),
+        "{changed}"
+    );
     let text = std::fs::read_to_string(folder.path().join("once.jsonl")).unwrap();
     let all = lines(&text);
     assert_eq!(all.len(), 1, "{text}");
@@ -301,7 +371,12 @@ fn the_check_of_the_morning_is_green_or_says_the_change() {
 
 /// Rows of a robot whose wheel had grown before they begin.
 fn flat() -> [String; 2] {
-    Drive { seconds: 17, ..GROWS }.rows().map(|rows| kept(&rows, |t_s| t_s >= GROWN_S))
+    Drive {
+        seconds: 17,
+        ..GROWS
+    }
+    .rows()
+    .map(|rows| kept(&rows, |t_s| t_s >= GROWN_S))
 }
 
 /// A stream that stops is said as a fault, and as no physics.
@@ -312,15 +387,34 @@ fn a_stream_that_stops_is_a_fault() {
     let stops = |rows: &str| kept(rows, |t_s| t_s < 6.0);
     let pauses = |rows: &str| kept(rows, |t_s| !(5.0..8.0).contains(&t_s));
     for (stream, ids, rows) in [
-        ("pose", &["stream_silent", "stream_back"][..], [wheels.clone(), pauses(&poses)]),
-        ("wheels", &["stream_silent"], [stops(&wheels), poses.clone()]),
+        (
+            "pose",
+            &["stream_silent", "stream_back"][..],
+            [wheels.clone(), pauses(&poses)],
+        ),
+        (
+            "wheels",
+            &["stream_silent"],
+            [stops(&wheels), poses.clone()],
+        ),
     ] {
         TODAY.write_rows(folder.path(), rows);
-        let all = lines(&watch(&folder, "today", &["--json", "-", "--exit-on", "change"], 0));
-        let found: Vec<&str> = all.iter().map(|own| own["warning"]["id"].as_str().unwrap_or("physics")).collect();
+        let all = lines(&watch(
+            &folder,
+            "today",
+            &["--json", "-", "--exit-on", "change"],
+            0,
+        ));
+        let found: Vec<&str> = all
+            .iter()
+            .map(|own| own["warning"]["id"].as_str().unwrap_or("physics"))
+            .collect();
         assert_eq!(found, ids, "{stream}: {all:?}");
         let statement = all[0]["warning"]["statement"].as_str().unwrap();
-        assert!(statement.starts_with(&format!("{stream}: no row for ")), "{statement}");
+        assert!(
+            statement.starts_with(&format!("{stream}: no row for ")),
+            "{statement}"
+        );
     }
 }
 
@@ -328,8 +422,16 @@ fn a_stream_that_stops_is_a_fault() {
 fn assert_refused(folder: &TempDir, arguments: &[&str], expected: &str) {
     let output = slipstream(folder.path(), arguments);
     let (stdout, stderr) = texts(&output);
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {stdout}{stderr}");
-    assert_eq!(stderr.trim_end().lines().count(), 1, "{arguments:?}: {stderr}");
+    assert_eq!(
+        output.status.code(),
+        Some(2),
+        "{arguments:?}: {stdout}{stderr}"
+    );
+    assert_eq!(
+        stderr.trim_end().lines().count(),
+        1,
+        "{arguments:?}: {stderr}"
+    );
     assert!(stderr.contains(expected), "no {expected:?} in {stderr}");
     assert!(stdout.is_empty(), "{arguments:?}: {stdout}");
 }
@@ -341,18 +443,31 @@ fn what_cannot_be_watched_is_refused_in_a_line() {
         assert_refused(&folder, &arguments(source, more), expected);
     };
     for speed in ["0", "NaN", "inf"] {
-        refused("today", &["--speed", speed], "is no speed; give a number above 0");
+        refused(
+            "today",
+            &["--speed", speed],
+            "is no speed; give a number above 0",
+        );
     }
     refused("nothing", &[], "nothing: ");
     refused("today", &["--against", "nothing"], "nothing: ");
     let nobody = format!("ws://127.0.0.1:{}", free_port());
     refused(&nobody, &[], "cannot be connected to");
     refused("today", &["--listen", "nowhere"], "nowhere");
-    refused("today", &["--json", "nowhere/changes.jsonl"], "nowhere/changes.jsonl");
+    refused(
+        "today",
+        &["--json", "nowhere/changes.jsonl"],
+        "nowhere/changes.jsonl",
+    );
     let without = ["watch", "today", "--robot", "robot.toml"];
-    let expected = "today: ends before 60 s, which are the baseline; give a baseline with --against";
+    let expected =
+        "today: ends before 60 s, which are the baseline; give a baseline with --against";
     assert_refused(&folder, &without, expected);
-    assert_refused(&folder, &["watch", "today", "--against", "monday"], "has no model; give one with --robot");
+    assert_refused(
+        &folder,
+        &["watch", "today", "--against", "monday"],
+        "has no model; give one with --robot",
+    );
     let late = "0.400,0,0,0";
     let [wheels, poses] = TODAY.rows();
     TODAY.write_rows(folder.path(), [wheels, poses + late + "\n"]);
@@ -367,7 +482,14 @@ fn a_robot_that_stands_says_nothing_and_is_no_baseline() {
         ..TODAY
     });
     assert_eq!(watch(&folder, "stands", &[], 0), "No change.\n");
-    let as_baseline = ["watch", "monday", "--robot", "robot.toml", "--against", "stands"];
+    let as_baseline = [
+        "watch",
+        "monday",
+        "--robot",
+        "robot.toml",
+        "--against",
+        "stands",
+    ];
     assert_refused(&folder, &as_baseline, "r1: has nothing to compare");
     let learnt = ["watch", "stands", "--robot", "robot.toml", "--learn", "5s"];
     assert_refused(&folder, &learnt, "r1: has nothing to compare");
@@ -376,7 +498,16 @@ fn a_robot_that_stands_says_nothing_and_is_no_baseline() {
 #[test]
 fn a_trial_of_changes_that_begin_while_a_robot_drives_conforms() {
     let folder = folder(TODAY);
-    let trial = ["trial", "--on", "monday", "--watch", "--robot", "robot.toml", "--json", "trial.json"];
+    let trial = [
+        "trial",
+        "--on",
+        "monday",
+        "--watch",
+        "--robot",
+        "robot.toml",
+        "--json",
+        "trial.json",
+    ];
     let output = slipstream(folder.path(), &trial);
     let (stdout, stderr) = texts(&output);
     assert!(output.status.success(), "{stderr}");
@@ -384,9 +515,15 @@ fn a_trial_of_changes_that_begin_while_a_robot_drives_conforms() {
     let found = violations("watch-trial", &answer);
     assert!(found.is_empty(), "{found:?}");
     let cases = answer["cases"].as_array().unwrap();
-    assert!(stdout.contains(&format!("before {} changes", cases.len())), "{stdout}");
+    assert!(
+        stdout.contains(&format!("before {} changes", cases.len())),
+        "{stdout}"
+    );
     let large = cases.iter().filter(|own| own["multiple"] == 8.0);
-    let raised = large.clone().filter(|own| own["delay_s"].is_number()).count();
+    let raised = large
+        .clone()
+        .filter(|own| own["delay_s"].is_number())
+        .count();
     assert!(raised > 0 && 2 * raised >= large.count(), "{stdout}");
     // the schema does not accept everything
     answer["heard_s"] = "long".into();

@@ -1,15 +1,17 @@
 //! `slipstream trial --on RECORDING --watch`: changes that begin while a robot drives.
 
+mod kinds;
 mod scored;
 mod text;
 
 use std::path::{Path, PathBuf};
 
 use slipstream_bus::{InputError, RobotModel};
-use slipstream_diagnose::{Event, Request, Smallest, State, Watch};
+use slipstream_diagnose::{Event, Request, Smallest, Watch};
 use slipstream_recording::{Pieces, Recording, mended};
-use slipstream_trial::own::{Change, alone, changed_since, half};
+use slipstream_trial::own::{alone, changed_since, half};
 
+use self::kinds::{Kind, MULTIPLES};
 use self::scored::{Case, Scores};
 use crate::exit::{Error, Exit};
 use crate::models::Models;
@@ -17,15 +19,10 @@ use crate::output_file::write_json;
 use crate::progress;
 use crate::reading::Reading;
 
-/// Sizes of changes, over the smallest that the rest of the recording would show.
-const MULTIPLES: [f64; 5] = [1.0, 2.0, 3.0, 5.0, 8.0];
 /// Where in the rows a change begins.
 const BEGINS: f64 = 1.0 / 3.0;
 /// Length of the pieces that are heard (s).
 const PIECE_S: f64 = 0.5;
-/// Largest change of a wheel (as a logarithm), of a stamp (s), of a place over the half track, of a direction (rad).
-const MOST: [f64; 4] = [0.3, 0.6, 2.0, 0.5];
-
 /// What is asked.
 pub(super) struct Asked<'a> {
     /// The recording, how to read it, and its model.
@@ -39,15 +36,6 @@ pub(super) struct Asked<'a> {
     pub(super) json: Option<&'a Path>,
 }
 
-/// A change that a size is put into.
-struct Kind {
-    effect: &'static str,
-    parameter: &'static str,
-    both: bool,
-    most: f64,
-    of: fn(f64) -> Change,
-}
-
 /// Runs the command.
 pub(super) fn run(asked: &Asked<'_>) -> Result<Exit, Error> {
     let models = Models::read(asked.robot)?;
@@ -55,7 +43,10 @@ pub(super) fn run(asked: &Asked<'_>) -> Result<Exit, Error> {
         let recording = asked.reading.read(path, &models)?.recording;
         let model = models.of("").or_else(|| recording.model.clone());
         let (mended, _) = mended(&recording, &|_| model.clone());
-        let own = Recording { model, ..alone(&mended) };
+        let own = Recording {
+            model,
+            ..alone(&mended)
+        };
         Ok(own)
     };
     let whole = read(asked.on)?;
@@ -82,12 +73,15 @@ pub(super) fn run(asked: &Asked<'_>) -> Result<Exit, Error> {
     let onset_s = from_s + (to_s - from_s) * BEGINS;
     let (null, limits) = unchanged(&mut watch, &heard, onset_s);
     let mut scores = Scores::new(&whole.name, to_s - from_s, onset_s - from_s, &null);
-    let kinds = kinds(&heard, &model, &limits);
+    let mut kinds = kinds::all(&heard, &model);
+    kinds.retain(|own| limits.last(own).is_some());
     let bar = progress::bar(kinds.len() * MULTIPLES.len(), "watched");
     for (number, kind) in kinds.iter().enumerate() {
         for (place, multiple) in MULTIPLES.into_iter().enumerate() {
             bar.inc(1);
-            let Some(smallest) = limits.last(kind) else { continue };
+            let Some(smallest) = limits.last(kind) else {
+                continue;
+            };
             let size = smallest * multiple;
             if size > kind.most {
                 continue;
@@ -97,7 +91,10 @@ pub(super) fn run(asked: &Asked<'_>) -> Result<Exit, Error> {
             let change = (kind.of)(signed);
             let copy = changed_since(&heard, &model, &change, onset_s);
             let events = replay(&mut watch, &copy);
-            scores.add(Case::new(kind, (multiple, signed), &change, onset_s, &events, &heard), limits.seen_s(kind, size));
+            scores.add(
+                Case::new(kind, (multiple, signed), &change, onset_s, &events, &heard),
+                limits.seen_s(kind, size),
+            );
         }
     }
     bar.finish_and_clear();
@@ -110,7 +107,11 @@ pub(super) fn run(asked: &Asked<'_>) -> Result<Exit, Error> {
 
 /// The baseline and what is heard: other recordings and the whole; of several runs all but the last and that one; or else
 /// both halves.
-fn parts(whole: &Recording, others: Vec<Recording>, model: &RobotModel) -> (Vec<Recording>, Recording) {
+fn parts(
+    whole: &Recording,
+    others: Vec<Recording>,
+    model: &RobotModel,
+) -> (Vec<Recording>, Recording) {
     let named = |own: Recording| Recording {
         model: Some(model.clone()),
         ..own
@@ -141,7 +142,9 @@ fn span_s(recording: &Recording) -> Option<[f64; 2]> {
     ];
     let ends = streams.into_iter().flatten();
     let ends = ends.flat_map(|own| [own.first().copied(), own.last().copied()]);
-    ends.flatten().map(|t_s| [t_s; 2]).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
+    ends.flatten()
+        .map(|t_s| [t_s; 2])
+        .reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
 }
 
 /// The smallest changes that would be seen, over time.
@@ -156,7 +159,9 @@ impl Limits {
         let is_it = |own: &&Smallest| {
             own.effect == kind.effect && own.parameter == kind.parameter && own.both == kind.both
         };
-        all.find(is_it).map(|own| own.size).filter(|own| own.is_finite())
+        all.find(is_it)
+            .map(|own| own.size)
+            .filter(|own| own.is_finite())
     }
 
     /// At the end.
@@ -167,7 +172,8 @@ impl Limits {
     /// How long after its begin a change of this size would be expected to be seen (s).
     fn seen_s(&self, kind: &Kind, size: f64) -> Option<f64> {
         let mut looks = self.looks.iter();
-        let is_seen = |own: &&(f64, Vec<Smallest>)| Self::of(&own.1, kind).is_some_and(|own| own <= size);
+        let is_seen =
+            |own: &&(f64, Vec<Smallest>)| Self::of(&own.1, kind).is_some_and(|own| own <= size);
         looks.find(is_seen).map(|own| own.0 - self.onset_s)
     }
 }
@@ -194,45 +200,4 @@ fn replay(watch: &mut Watch, copy: &Recording) -> Vec<Event> {
     watch.again();
     let pieces = Pieces::new(copy.clone(), PIECE_S);
     pieces.flat_map(|(_, piece)| watch.hear(&piece)).collect()
-}
-
-/// The changes of which the recording would show any size.
-fn kinds(heard: &Recording, model: &RobotModel, limits: &Limits) -> Vec<Kind> {
-    let driven = heard.robots.first().is_some_and(|own| own.command.is_some());
-    let b = model.robot.half_track_m;
-    let [factor, stamp_s, place, turned_rad] = MOST;
-    let kind = |effect, parameter, both, most, of| Kind {
-        effect,
-        parameter,
-        both,
-        most,
-        of,
-    };
-    let mut all = vec![
-        kind("pose_latency", "latency_s", false, stamp_s, Change::PoseLate as fn(f64) -> Change),
-        kind("imu_latency", "latency_s", false, stamp_s, Change::GyroLate),
-        kind("wheels_latency", "latency_s", false, stamp_s, Change::WheelsLate),
-        kind("actuator_delay", "delay_s", false, stamp_s, Change::CommandLate),
-        kind("pose_offset", "x_m", false, place * b, |x| Change::Offset([x, 0.0])),
-        kind("pose_offset", "y_m", false, place * b, |y| Change::Offset([0.0, y])),
-        kind("pose_offset", "yaw_rad", false, turned_rad, Change::Turned),
-        kind("motor_gain", "right", true, factor, |x| Change::Gain(x.exp())),
-        kind("encoder_scale", "right_scale", true, factor, |x| Change::Counts([x.exp(); 2])),
-        kind("encoder_scale", "left_scale", false, factor, |x| Change::Counts([1.0, x.exp()])),
-    ];
-    if !driven {
-        all.push(kind("wheel_radius", "right_scale", true, factor, |x| Change::Radius([x.exp(); 2])));
-        all.push(kind("wheel_radius", "right_scale", false, factor, |x| Change::Radius([x.exp(), 1.0])));
-        all.push(kind("wheel_radius", "left_scale", false, factor, |x| Change::Radius([1.0, x.exp()])));
-    }
-    all.retain(|own| limits.last(own).is_some());
-    all
-}
-
-/// Whether an event is that something was raised.
-fn raised(event: &Event) -> Option<&slipstream_diagnose::Change> {
-    match event {
-        Event::Change(own) if own.state == State::Raised => Some(own),
-        _ => None,
-    }
 }

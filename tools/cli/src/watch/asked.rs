@@ -63,6 +63,8 @@ impl Asked {
             }
         };
         self.waiting = None;
-        answered.map_or_else(Vec::new, |(question, answer)| watch.answered(&question, &answer))
+        answered.map_or_else(Vec::new, |(question, answer)| {
+            watch.answered(&question, &answer)
+        })
     }
 }

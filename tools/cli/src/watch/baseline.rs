@@ -50,7 +50,10 @@ fn ends_s(robot: &Robot) -> impl Iterator<Item = f64> {
     ];
     let both = times.into_iter().flatten();
     let both = both.flat_map(|own| [own.first().copied(), own.last().copied()]);
-    both.flatten().filter(|t_s| t_s.is_finite()).collect::<Vec<_>>().into_iter()
+    both.flatten()
+        .filter(|t_s| t_s.is_finite())
+        .collect::<Vec<_>>()
+        .into_iter()
 }
 
 /// Makes watches of baselines.
@@ -72,9 +75,14 @@ impl<'a> Learner<'a> {
     }
 
     /// A watch beside recordings.
-    pub(super) fn of_files(&mut self, files: &[PathBuf], reading: &Reading) -> Result<Watch, Error> {
+    pub(super) fn of_files(
+        &mut self,
+        files: &[PathBuf],
+        reading: &Reading,
+    ) -> Result<Watch, Error> {
         for file in files {
-            self.baseline.push(reading.read(file, self.models)?.recording);
+            self.baseline
+                .push(reading.read(file, self.models)?.recording);
         }
         self.learn()
     }
@@ -85,7 +93,10 @@ impl<'a> Learner<'a> {
         if self.kept.span_s() < learn_s {
             return Ok(None);
         }
-        self.baseline = std::mem::take(&mut self.kept).joined().into_iter().collect();
+        self.baseline = std::mem::take(&mut self.kept)
+            .joined()
+            .into_iter()
+            .collect();
         let watch = self.learn()?;
         note_line!("baseline learnt from the first {learn_s} s; watching");
         Ok(Some(watch))

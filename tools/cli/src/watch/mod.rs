@@ -78,13 +78,21 @@ enum ExitOn {
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
-    if let Some(speed) = arguments.speed.filter(|own| !(*own > 0.0 && own.is_finite())) {
+    if let Some(speed) = arguments
+        .speed
+        .filter(|own| !(*own > 0.0 && own.is_finite()))
+    {
         let place = format!("--speed {speed}");
         return Err(InputError::new(place, "is no speed", "give a number above 0").into());
     }
     let models = Models::read(&arguments.robot)?;
     let mut spoken = Spoken::new(arguments.json.as_deref(), arguments.listen.as_deref())?;
-    let opened = source::open(&arguments.source, &arguments.reading, &models, arguments.speed)?;
+    let opened = source::open(
+        &arguments.source,
+        &arguments.reading,
+        &models,
+        arguments.speed,
+    )?;
     let mut learner = Learner::new(&models, &arguments.without);
     let watch = if arguments.against.is_empty() {
         None
@@ -161,7 +169,9 @@ impl Session<'_> {
         let mut ends = false;
         for event in events {
             self.spoken.say(event)?;
-            let Event::Change(change) = event else { continue };
+            let Event::Change(change) = event else {
+                continue;
+            };
             ends |= self.exits && change.state == State::Confirmed;
         }
         Ok(ends)
@@ -196,7 +206,13 @@ impl Session<'_> {
 
 /// Parses a duration such as `10s`, `2min` or `0.5` (s).
 fn duration(text: &str) -> Result<f64, String> {
-    let units = [("ms", 1e-3), ("min", 60.0), ("h", 3600.0), ("s", 1.0), ("", 1.0)];
+    let units = [
+        ("ms", 1e-3),
+        ("min", 60.0),
+        ("h", 3600.0),
+        ("s", 1.0),
+        ("", 1.0),
+    ];
     let parsed = units.iter().find_map(|(unit, seconds)| {
         let number: f64 = text.strip_suffix(unit)?.trim().parse().ok()?;
         Some(number * seconds)
@@ -212,7 +228,13 @@ mod tests {
 
     #[test]
     fn durations_have_units() {
-        let all = [("10s", 10.0), ("2min", 120.0), ("250ms", 0.25), ("1.5", 1.5), ("1h", 3600.0)];
+        let all = [
+            ("10s", 10.0),
+            ("2min", 120.0),
+            ("250ms", 0.25),
+            ("1.5", 1.5),
+            ("1h", 3600.0),
+        ];
         for (text, seconds) in all {
             assert_eq!(duration(text), Ok(seconds), "{text}");
         }

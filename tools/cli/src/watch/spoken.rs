@@ -73,8 +73,12 @@ impl Spoken {
             }
             Event::Fault(t_s, warning) => {
                 let robot = warning.robot.as_deref().unwrap_or("");
-                let line = format!("{t_s:.1} s, robot {robot}: {}; {}", warning.statement, warning.remedy);
-                let value = json!({"format": 1, "t_s": t_s, "robot": warning.robot, "warning": warning});
+                let line = format!(
+                    "{t_s:.1} s, robot {robot}: {}; {}",
+                    warning.statement, warning.remedy
+                );
+                let value =
+                    json!({"format": 1, "t_s": t_s, "robot": warning.robot, "warning": warning});
                 (*t_s, line, value)
             }
         };
@@ -83,7 +87,11 @@ impl Spoken {
     }
 
     /// Says how rows compare with the baseline, all together.
-    pub(super) fn compared(&mut self, answer: &Answer, span_s: Option<[f64; 2]>) -> Result<(), Error> {
+    pub(super) fn compared(
+        &mut self,
+        answer: &Answer,
+        span_s: Option<[f64; 2]>,
+    ) -> Result<(), Error> {
         let [from_s, to_s] = span_s.unwrap_or_default();
         for finding in &answer.findings {
             let change = Change {
@@ -168,22 +176,38 @@ fn words(own: &Change) -> String {
     let what = change(&own.finding).unwrap_or_else(|| own.finding.effect.replace('_', " "));
     let (robot, onset_s) = (&own.robot, own.onset_s);
     let sizes = sizes(&own.finding);
-    let alike: Vec<String> = own.finding.confused_with.iter().map(|own| own.replace('_', " ")).collect();
+    let alike: Vec<String> = own
+        .finding
+        .confused_with
+        .iter()
+        .map(|own| own.replace('_', " "))
+        .collect();
     let alike = match alike.as_slice() {
         [] => String::new(),
         all => format!("; as well {}", all.join(" or ")),
     };
-    format!("{:.1} s, robot {robot}{state}: since {onset_s:.1} s {what}{sizes}{alike}", own.t_s)
+    format!(
+        "{:.1} s, robot {robot}{state}: since {onset_s:.1} s {what}{sizes}{alike}",
+        own.t_s
+    )
 }
 
 /// The numbers of a finding with their intervals.
 fn sizes(finding: &Finding) -> String {
     let numbers = finding.parameters.iter().filter_map(|own| {
         let ([low, high], estimate) = (own.ci95?, own.estimate?);
-        let unit = if own.unit == "1" { String::new() } else { format!(" {}", own.unit) };
-        let was = own.nominal.map_or(String::new(), |was| format!(", was {was:.4}"));
+        let unit = if own.unit == "1" {
+            String::new()
+        } else {
+            format!(" {}", own.unit)
+        };
+        let was = own
+            .nominal
+            .map_or(String::new(), |was| format!(", was {was:.4}"));
         let name = own.name.replace('_', " ");
-        Some(format!("{name} {estimate:.4}{unit} ({low:.4} to {high:.4}{was})"))
+        Some(format!(
+            "{name} {estimate:.4}{unit} ({low:.4} to {high:.4}{was})"
+        ))
     });
     let numbers: Vec<String> = numbers.collect();
     if numbers.is_empty() {

@@ -1,11 +1,11 @@
 //! The scores of a watch.
 
 use serde::Serialize;
-use slipstream_diagnose::Event;
+use slipstream_diagnose::{Event, State};
 use slipstream_recording::Recording;
 use slipstream_trial::own::Change;
 
-use super::{Kind, raised};
+use super::kinds::Kind;
 
 /// What is raised again with an onset this near (s) is the same alarm under a better name.
 const SAME_S: f64 = 3.0;
@@ -55,17 +55,23 @@ impl Case {
         let last = last.last();
         let robot = heard.robots.first();
         let alike = robot.map(|own| change.look_alikes(own)).unwrap_or_default();
-        let is_it = |effect: &str| effect == change.effect() || alike.iter().any(|own| own == effect);
-        let in_interval = last.filter(|own| own.finding.effect == change.effect()).and_then(|own| {
-            let mut all = own.finding.parameters.iter();
-            let found = all.find(|own| own.name == kind.parameter)?;
-            let [low, high] = found.ci95?;
-            let (_, value) = change.parameters().into_iter().find(|own| own.0 == kind.parameter)?;
-            let is_factor = kind.most == super::MOST[0];
-            let was = found.nominal.unwrap_or(if is_factor { 1.0 } else { 0.0 });
-            let truth = if is_factor { was * value } else { was + value };
-            Some((low..=high).contains(&truth))
-        });
+        let is_it =
+            |effect: &str| effect == change.effect() || alike.iter().any(|own| own == effect);
+        let in_interval = last
+            .filter(|own| own.finding.effect == change.effect())
+            .and_then(|own| {
+                let mut all = own.finding.parameters.iter();
+                let found = all.find(|own| own.name == kind.parameter)?;
+                let [low, high] = found.ci95?;
+                let (_, value) = change
+                    .parameters()
+                    .into_iter()
+                    .find(|own| own.0 == kind.parameter)?;
+                let is_factor = kind.is_factor();
+                let was = found.nominal.unwrap_or(if is_factor { 1.0 } else { 0.0 });
+                let truth = if is_factor { was * value } else { was + value };
+                Some((low..=high).contains(&truth))
+            });
         Self {
             effect: kind.effect,
             parameter: kind.parameter,
@@ -82,7 +88,12 @@ impl Case {
             in_interval,
             false_alarms: early
                 .iter()
-                .map(|own| format!("{} since {:.1} s at {:.1} s", own.finding.effect, own.onset_s, own.t_s))
+                .map(|own| {
+                    format!(
+                        "{} since {:.1} s at {:.1} s",
+                        own.finding.effect, own.onset_s, own.t_s
+                    )
+                })
                 .collect(),
         }
     }
@@ -91,8 +102,12 @@ impl Case {
 /// How far a robot drove by its poses, in steps of half a second (m).
 fn way_m(heard: &Recording, [from_s, to_s]: [f64; 2]) -> Option<f64> {
     let pose = heard.robots.first()?.pose.as_ref()?;
-    let rows = pose.t_s.iter().zip(pose.values.x_m.iter().zip(&pose.values.y_m));
-    let within = rows.filter(|(t_s, (x, y))| (from_s..=to_s).contains(*t_s) && x.is_finite() && y.is_finite());
+    let rows = pose
+        .t_s
+        .iter()
+        .zip(pose.values.x_m.iter().zip(&pose.values.y_m));
+    let within = rows
+        .filter(|(t_s, (x, y))| (from_s..=to_s).contains(*t_s) && x.is_finite() && y.is_finite());
     let (mut way, mut last): (f64, Option<(f64, f64, f64)>) = (0.0, None);
     for (t_s, (x, y)) in within {
         match last {
@@ -133,5 +148,13 @@ impl Scores {
 
     pub(super) fn add(&mut self, case: Case, limit_s: Option<f64>) {
         self.cases.push(Case { limit_s, ..case });
+    }
+}
+
+/// Whether an event is that something was raised.
+fn raised(event: &Event) -> Option<&slipstream_diagnose::Change> {
+    match event {
+        Event::Change(own) if own.state == State::Raised => Some(own),
+        _ => None,
     }
 }

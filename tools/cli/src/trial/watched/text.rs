@@ -1,6 +1,6 @@
 //! The scores of a watch in words.
 
-use super::MULTIPLES;
+use super::kinds::MULTIPLES;
 use super::scored::{Case, Scores};
 use crate::print::{print_line, prints};
 
@@ -21,16 +21,25 @@ pub(super) fn print(scores: &Scores) {
         scores.null_alarms.len(),
         scores.cases.len()
     );
-    print_line!("size over the smallest that the rest would show: raised, named right, onset within {ONSET_S} s, size in interval; \
-        median delay and what the information allows");
+    print_line!(
+        "size over the smallest that the rest would show: raised, named right, onset within {ONSET_S} s, size in interval; \
+        median delay and what the information allows"
+    );
     for multiple in MULTIPLES {
-        let all: Vec<&Case> = scores.cases.iter().filter(|own| own.multiple == multiple).collect();
+        let all: Vec<&Case> = scores
+            .cases
+            .iter()
+            .filter(|own| own.multiple == multiple)
+            .collect();
         if all.is_empty() {
             continue;
         }
         let raised = all.iter().filter(|own| own.delay_s.is_some()).count();
         let named = all.iter().filter(|own| own.is_named).count();
-        let onset = all.iter().filter(|own| own.onset_error_s.is_some_and(|own| own.abs() <= ONSET_S)).count();
+        let onset = all
+            .iter()
+            .filter(|own| own.onset_error_s.is_some_and(|own| own.abs() <= ONSET_S))
+            .count();
         let sized: Vec<bool> = all.iter().filter_map(|own| own.in_interval).collect();
         let soon = all.iter().filter(|own| is_soon(own)).count();
         let within = sized.iter().filter(|own| **own).count();
@@ -59,7 +68,11 @@ fn median(all: impl Iterator<Item = Option<f64>>) -> String {
     let mut all: Vec<f64> = all.map(|own| own.unwrap_or(f64::INFINITY)).collect();
     all.sort_by(f64::total_cmp);
     let own = all.get(all.len() / 2).copied().unwrap_or(f64::INFINITY);
-    if own.is_finite() { format!("{own:.1}") } else { "no".to_owned() }
+    if own.is_finite() {
+        format!("{own:.1}")
+    } else {
+        "no".to_owned()
+    }
 }
 
 fn words(own: &Case) -> String {
