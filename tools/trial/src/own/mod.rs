@@ -13,8 +13,8 @@ mod score;
 mod since;
 
 pub use change::Change;
-pub use made::{OwnCase, OwnTrial, make};
 pub use made::alone;
+pub use made::{OwnCase, OwnTrial, make};
 pub use null::half;
 pub use score::{Detectable, OwnReport, score};
 pub use since::changed_since;
