@@ -5,22 +5,9 @@ mod common;
 
 use std::path::{Path, PathBuf};
 
+use common::schemas::violations;
 use common::{read_json, slipstream};
 use serde_json::Value;
-
-fn schema(name: &str) -> jsonschema::Validator {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("schemas");
-    let schema = read_json(&folder.join(format!("{name}.schema.json")));
-    jsonschema::validator_for(&schema).unwrap()
-}
-
-fn violations(name: &str, answer: &Value) -> Vec<String> {
-    let schema = schema(name);
-    let errors = schema.iter_errors(answer);
-    errors
-        .map(|error| format!("{}: {error}", error.instance_path()))
-        .collect()
-}
 
 /// Runs a command with `--json` and validates the answer against its schema.
 fn assert_valid(folder: &Path, name: &str, arguments: &[&str]) -> Value {

@@ -1,15 +1,17 @@
 //! `slipstream trial --on RECORDING --watch`: changes that begin while a robot drives.
 
+mod kinds;
 mod scored;
 mod text;
 
 use std::path::{Path, PathBuf};
 
 use slipstream_bus::{InputError, RobotModel};
-use slipstream_diagnose::{Event, Request, Smallest, State, Watch};
+use slipstream_diagnose::{Event, Request, Smallest, Watch};
 use slipstream_recording::{Pieces, Recording, mended};
-use slipstream_trial::own::{Change, alone, changed_since, half};
+use slipstream_trial::own::{alone, changed_since, half};
 
+use self::kinds::{Kind, MULTIPLES};
 use self::scored::{Case, Scores};
 use crate::exit::{Error, Exit};
 use crate::models::Models;
@@ -17,15 +19,10 @@ use crate::output_file::write_json;
 use crate::progress;
 use crate::reading::Reading;
 
-/// Sizes of changes, over the smallest that the rest of the recording would show.
-const MULTIPLES: [f64; 5] = [1.0, 2.0, 3.0, 5.0, 8.0];
 /// Where in the rows a change begins.
 const BEGINS: f64 = 1.0 / 3.0;
 /// Length of the pieces that are heard (s).
 const PIECE_S: f64 = 0.5;
-/// Largest change of a wheel (as a logarithm), of a stamp (s), of a place over the half track, of a direction (rad).
-const MOST: [f64; 4] = [0.3, 0.6, 2.0, 0.5];
-
 /// What is asked.
 pub(super) struct Asked<'a> {
     /// The recording, how to read it, and its model.
@@ -37,15 +34,6 @@ pub(super) struct Asked<'a> {
     /// Effects that are not tried.
     pub(super) without: &'a [String],
     pub(super) json: Option<&'a Path>,
-}
-
-/// A change that a size is put into.
-struct Kind {
-    effect: &'static str,
-    parameter: &'static str,
-    both: bool,
-    most: f64,
-    of: fn(f64) -> Change,
 }
 
 /// Runs the command.
@@ -85,7 +73,8 @@ pub(super) fn run(asked: &Asked<'_>) -> Result<Exit, Error> {
     let onset_s = from_s + (to_s - from_s) * BEGINS;
     let (null, limits) = unchanged(&mut watch, &heard, onset_s);
     let mut scores = Scores::new(&whole.name, to_s - from_s, onset_s - from_s, &null);
-    let kinds = kinds(&heard, &model, &limits);
+    let mut kinds = kinds::all(&heard, &model);
+    kinds.retain(|own| limits.last(own).is_some());
     let bar = progress::bar(kinds.len() * MULTIPLES.len(), "watched");
     for (number, kind) in kinds.iter().enumerate() {
         for (place, multiple) in MULTIPLES.into_iter().enumerate() {
@@ -211,82 +200,4 @@ fn replay(watch: &mut Watch, copy: &Recording) -> Vec<Event> {
     watch.again();
     let pieces = Pieces::new(copy.clone(), PIECE_S);
     pieces.flat_map(|(_, piece)| watch.hear(&piece)).collect()
-}
-
-/// The changes of which the recording would show any size.
-fn kinds(heard: &Recording, model: &RobotModel, limits: &Limits) -> Vec<Kind> {
-    let driven = heard
-        .robots
-        .first()
-        .is_some_and(|own| own.command.is_some());
-    let b = model.robot.half_track_m;
-    let [factor, stamp_s, place, turned_rad] = MOST;
-    let kind = |effect, parameter, both, most, of| Kind {
-        effect,
-        parameter,
-        both,
-        most,
-        of,
-    };
-    let mut all = vec![
-        kind(
-            "pose_latency",
-            "latency_s",
-            false,
-            stamp_s,
-            Change::PoseLate as fn(f64) -> Change,
-        ),
-        kind("imu_latency", "latency_s", false, stamp_s, Change::GyroLate),
-        kind(
-            "wheels_latency",
-            "latency_s",
-            false,
-            stamp_s,
-            Change::WheelsLate,
-        ),
-        kind(
-            "actuator_delay",
-            "delay_s",
-            false,
-            stamp_s,
-            Change::CommandLate,
-        ),
-        kind("pose_offset", "x_m", false, place * b, |x| {
-            Change::Offset([x, 0.0])
-        }),
-        kind("pose_offset", "y_m", false, place * b, |y| {
-            Change::Offset([0.0, y])
-        }),
-        kind("pose_offset", "yaw_rad", false, turned_rad, Change::Turned),
-        kind("motor_gain", "right", true, factor, |x| {
-            Change::Gain(x.exp())
-        }),
-        kind("encoder_scale", "right_scale", true, factor, |x| {
-            Change::Counts([x.exp(); 2])
-        }),
-        kind("encoder_scale", "left_scale", false, factor, |x| {
-            Change::Counts([1.0, x.exp()])
-        }),
-    ];
-    if !driven {
-        all.push(kind("wheel_radius", "right_scale", true, factor, |x| {
-            Change::Radius([x.exp(); 2])
-        }));
-        all.push(kind("wheel_radius", "right_scale", false, factor, |x| {
-            Change::Radius([x.exp(), 1.0])
-        }));
-        all.push(kind("wheel_radius", "left_scale", false, factor, |x| {
-            Change::Radius([1.0, x.exp()])
-        }));
-    }
-    all.retain(|own| limits.last(own).is_some());
-    all
-}
-
-/// Whether an event is that something was raised.
-fn raised(event: &Event) -> Option<&slipstream_diagnose::Change> {
-    match event {
-        Event::Change(own) if own.state == State::Raised => Some(own),
-        _ => None,
-    }
 }

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use slipstream_answer::Verdict;
 use slipstream_diagnose::{Request, Watch, diagnose};
 use slipstream_recording::recording::Robot;
 use slipstream_recording::{Recording, joined};
@@ -117,8 +118,8 @@ impl<'a> Learner<'a> {
         Ok(watch?)
     }
 
-    /// Says what differs in rows that were heard; whether anything does.
-    pub(super) fn compare(&self, heard: &Kept, spoken: &mut Spoken) -> Result<bool, Error> {
+    /// Says what differs in rows that were heard; whether anything does, and whether it has a name.
+    pub(super) fn compare(&self, heard: &Kept, spoken: &mut Spoken) -> Result<Verdict, Error> {
         let recordings: Vec<Recording> = heard.joined().into_iter().collect();
         let line = progress::line();
         let request = Request {
@@ -133,6 +134,10 @@ impl<'a> Learner<'a> {
         line.finish_and_clear();
         let (answer, _) = answer?;
         spoken.compared(&answer, heard.span_s)?;
-        Ok(!answer.findings.is_empty())
+        Ok(if answer.findings.is_empty() {
+            answer.verdict
+        } else {
+            Verdict::Explained
+        })
     }
 }

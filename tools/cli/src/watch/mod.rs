@@ -9,6 +9,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
+use slipstream_answer::Verdict;
 use slipstream_bus::InputError;
 use slipstream_diagnose::{Event, State, Watch};
 use slipstream_live::source::{Heard, Source};
@@ -52,7 +53,7 @@ pub(crate) struct Arguments {
     /// Watch for so long, say whether anything differs from the baseline, and end
     #[arg(long, value_name = "DURATION", value_parser = duration, requires = "against")]
     once: Option<f64>,
-    /// End at the first change that is confirmed, with exit code 3
+    /// End at the first change that is confirmed, with exit code 3; with --once, 4 if something changed that no effect explains
     #[arg(long, value_name = "WHAT", value_enum)]
     exit_on: Option<ExitOn>,
     /// Replay a recording so many times as fast as it was recorded [default: without waiting]
@@ -160,7 +161,7 @@ impl Session<'_> {
             let remedy = "give a baseline with --against, or a shorter one with --learn";
             return Err(InputError::new(self.source.name(), problem, remedy).into());
         };
-        self.spoken.ended()?;
+        self.spoken.ended();
         Ok(Exit::Done)
     }
 
@@ -196,9 +197,10 @@ impl Session<'_> {
                 Heard::End => break,
             }
         }
-        let differs = self.learner.compare(&heard, self.spoken)?;
-        Ok(match differs {
-            true if self.exits => Exit::Explained,
+        let verdict = self.learner.compare(&heard, self.spoken)?;
+        Ok(match verdict {
+            Verdict::Explained if self.exits => Exit::Explained,
+            Verdict::Unexplained if self.exits => Exit::Unexplained,
             _ => Exit::Done,
         })
     }

@@ -117,7 +117,7 @@ impl Spoken {
     }
 
     /// Says how a watch went.
-    pub(super) fn ended(&mut self) -> Result<(), Error> {
+    pub(super) fn ended(&self) {
         let line = match (self.confirmed, self.raised) {
             (0, 0) => "No change.".to_owned(),
             (confirmed, raised) => format!(
@@ -126,10 +126,6 @@ impl Spoken {
             ),
         };
         self.line(&line);
-        if let Some(server) = &mut self.server {
-            server.end();
-        }
-        Ok(())
     }
 
     fn line(&self, line: &str) {
@@ -151,6 +147,15 @@ impl Spoken {
             server.send(TOPIC, t_ns, value.to_string().as_bytes());
         }
         Ok(())
+    }
+}
+
+impl Drop for Spoken {
+    /// However a watch ends, viewers have time to take the last messages.
+    fn drop(&mut self) {
+        if let Some(server) = &mut self.server {
+            server.end();
+        }
     }
 }
 

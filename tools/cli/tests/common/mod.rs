@@ -5,6 +5,7 @@
 pub(crate) mod browser;
 pub(crate) mod faults;
 pub(crate) mod programs;
+pub(crate) mod schemas;
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};

@@ -6,10 +6,12 @@ use crate::markdown::{code, head, table};
 use crate::root;
 
 /// Commands whose answers have a schema, in the order of the page.
-const COMMANDS: [&str; 9] = [
+const COMMANDS: [&str; 11] = [
     "check",
     "diagnose",
     "trial",
+    "watch",
+    "watch-trial",
     "robot",
     "run",
     "trace",

@@ -73,6 +73,8 @@ pub(crate) struct Feed {
     counts: Option<[i64; 2]>,
     wrapped: [i64; 2],
     told_s: f64,
+    /// The last pose (s).
+    seen_s: Option<f64>,
     heading: Option<(f64, f64)>,
 }
 
@@ -95,6 +97,7 @@ impl Feed {
             counts: None,
             wrapped: [0; 2],
             told_s: f64::NEG_INFINITY,
+            seen_s: None,
             heading: None,
         }
     }
@@ -223,8 +226,9 @@ impl Feed {
         for (stamp_s, [x, y, yaw]) in streams::poses(robot).unwrap_or_default() {
             let t_s = stamp_s - origin_s;
             if x.is_finite() && y.is_finite() {
-                let last_s = self.poses.back().map(|row| row.0);
+                let last_s = self.seen_s;
                 if self.follows("poses", last_s, t_s, odd) {
+                    self.seen_s = Some(t_s);
                     self.poses.push_back((t_s, [x, y, yaw]));
                 }
             } else if robot.imu.is_none() {
@@ -440,7 +444,7 @@ mod tests {
             feed.take(
                 &robot(
                     vec![t_s, t_s + 0.25],
-                    vec![10 * k.into(), 10 * i64::from(k) + 5],
+                    vec![10 * i64::from(k), 10 * i64::from(k) + 5],
                 ),
                 &model,
             );

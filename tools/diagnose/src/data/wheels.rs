@@ -69,7 +69,8 @@ fn integrated(mut rows: Rows<2>) -> Rows<2> {
     rows
 }
 
-/// How often (s) a log has a row while the wheels turn, where it has one only when a count changed.
+/// How often (s) a log has a row while the wheels turn, where it has one only when a count changed: what it has no row of at
+/// rest has gaps.
 pub(crate) fn changes_every_s(robot: &Robot, model: &RobotModel) -> Option<f64> {
     let (times_s, angles_rad) = angles(robot, model)?.into_iter().unzip();
     let path = WheelPath {
@@ -77,8 +78,10 @@ pub(crate) fn changes_every_s(robot: &Robot, model: &RobotModel) -> Option<f64> 
         angles_rad,
     };
     let every_s = median_interval(&path.times_s);
-    (path.times_s.len() >= LEAST_ROWS && every_s > 0.0 && holds_changes_alone(&path))
-        .then_some(every_s)
+    let gaps = path.times_s.windows(2).map(|pair| pair[1] - pair[0]);
+    let rests = gaps.fold(0.0, f64::max) > GAP * every_s;
+    let changes = path.times_s.len() >= LEAST_ROWS && every_s > 0.0 && holds_changes_alone(&path);
+    (changes && rests).then_some(every_s)
 }
 
 /// Whether a log has a row only when a count changed.

@@ -185,7 +185,7 @@ impl<P> Moved<P> {
     /// After a change.
     fn at(&self, change: Option<Change>) -> &P {
         match change {
-            Some(Change::Parameter(i, _)) => &self.after[i],
+            Some(Change::Parameter(i)) => &self.after[i],
             _ => &self.base,
         }
     }
@@ -193,7 +193,7 @@ impl<P> Moved<P> {
     /// Which of all parameters a change is of.
     fn place(&self, change: Option<Change>) -> Option<usize> {
         match change {
-            Some(Change::Parameter(i, _)) => Some(self.places[i]),
+            Some(Change::Parameter(i)) => Some(self.places[i]),
             _ => None,
         }
     }
@@ -225,7 +225,7 @@ impl Kinematic {
             match change {
                 Some(Change::State(3, h)) => on.time_s += h,
                 Some(Change::State(i, h)) => on.state.mean[i] += h,
-                Some(Change::Parameter(..)) | None => (),
+                Some(Change::Parameter(_)) | None => (),
             }
             let wheels = wheels.after(own.physics.place(change));
             on.angles = wheels.angles_at(on.time_s, &mut 0);
@@ -273,7 +273,7 @@ impl Kinematic {
                 Some(Change::State(i @ (0 | 1), h)) => on.state.mean[i] += h,
                 Some(Change::State(2, h)) => on.measured += h,
                 Some(Change::State(_, h)) => on.time_s += h,
-                Some(Change::Parameter(..)) | None => (),
+                Some(Change::Parameter(_)) | None => (),
             }
             let wheels = wheels.after(own.models.place(change));
             on.angles = wheels.angles_at(on.time_s, &mut 0);
@@ -415,7 +415,7 @@ impl Row<'_> {
             match change {
                 Some(Change::State(2, h)) => own.simulated += h,
                 Some(Change::State(i, h)) => own.on.state.mean[i] += h,
-                Some(Change::Parameter(i, _)) => at = &self.others[i],
+                Some(Change::Parameter(i)) => at = &self.others[i],
                 None => (),
             }
             let (row, simulated) = self.of(at, own.simulated);

@@ -26,8 +26,8 @@ pub(crate) type Made<const M: usize, const N: usize> = ([f64; M], [f64; N]);
 pub(crate) enum Change {
     /// Of an entry of the state.
     State(usize, f64),
-    /// Of a parameter.
-    Parameter(usize, f64),
+    /// Of a parameter; who is differentiated knows by how much.
+    Parameter(usize),
 }
 
 impl Linear {
@@ -72,7 +72,7 @@ impl Linear {
             put(step(Some(Change::State(i, *size))), *size, i, true);
         }
         for (i, size) in parameters.iter().enumerate().filter(|(_, s)| **s != 0.0) {
-            put(step(Some(Change::Parameter(i, *size))), *size, i, false);
+            put(step(Some(Change::Parameter(i))), *size, i, false);
         }
         own
     }
@@ -89,7 +89,7 @@ mod tests {
             let (mut x, mut p) = ([1.0, -2.0], 0.7);
             match change {
                 Some(Change::State(i, h)) => x[i] += h,
-                Some(Change::Parameter(0, h)) => p += h,
+                Some(Change::Parameter(0)) => p += 1e-3,
                 _ => (),
             }
             (

@@ -58,6 +58,7 @@ pub struct Question {
     recording: Recording,
     against: Arc<Vec<Recording>>,
     model: RobotModel,
+    excluded: Vec<String>,
 }
 
 impl Question {
@@ -71,7 +72,7 @@ impl Question {
             recordings,
             against: &self.against,
             model_of: &|_| Some(self.model.clone()),
-            excluded: &[],
+            excluded: &self.excluded,
             excluded_s: &[],
             progress: &|_| (),
         };
@@ -98,6 +99,7 @@ pub struct Watch {
     kept: VecDeque<Recording>,
     unknown: Vec<String>,
     questions: u64,
+    excluded: Vec<String>,
 }
 
 impl Watch {
@@ -116,6 +118,7 @@ impl Watch {
         let mut robots: Vec<Robots> = robots.collect::<Result<_, _>>()?;
         let looks = FALSE_ALARM_LOOKS * robots.len() as f64;
         robots.iter_mut().for_each(|own| own.watched.expect(looks));
+        let excluded = request.excluded.to_vec();
         Ok(Self {
             is_alone: robots.len() == 1,
             robots,
@@ -123,6 +126,7 @@ impl Watch {
             kept: VecDeque::new(),
             unknown: Vec::new(),
             questions: 0,
+            excluded,
         })
     }
 
@@ -193,6 +197,7 @@ impl Watch {
             recording: named(onset_s)?,
             against,
             model: own.model.clone(),
+            excluded: self.excluded.clone(),
         })
     }
 

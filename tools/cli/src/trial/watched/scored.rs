@@ -1,11 +1,11 @@
 //! The scores of a watch.
 
 use serde::Serialize;
-use slipstream_diagnose::Event;
+use slipstream_diagnose::{Event, State};
 use slipstream_recording::Recording;
 use slipstream_trial::own::Change;
 
-use super::{Kind, raised};
+use super::kinds::Kind;
 
 /// What is raised again with an onset this near (s) is the same alarm under a better name.
 const SAME_S: f64 = 3.0;
@@ -67,7 +67,7 @@ impl Case {
                     .parameters()
                     .into_iter()
                     .find(|own| own.0 == kind.parameter)?;
-                let is_factor = kind.most == super::MOST[0];
+                let is_factor = kind.is_factor();
                 let was = found.nominal.unwrap_or(if is_factor { 1.0 } else { 0.0 });
                 let truth = if is_factor { was * value } else { was + value };
                 Some((low..=high).contains(&truth))
@@ -148,5 +148,13 @@ impl Scores {
 
     pub(super) fn add(&mut self, case: Case, limit_s: Option<f64>) {
         self.cases.push(Case { limit_s, ..case });
+    }
+}
+
+/// Whether an event is that something was raised.
+fn raised(event: &Event) -> Option<&slipstream_diagnose::Change> {
+    match event {
+        Event::Change(own) if own.state == State::Raised => Some(own),
+        _ => None,
     }
 }

@@ -1,6 +1,6 @@
 //! The scores of a watch in words.
 
-use super::MULTIPLES;
+use super::kinds::MULTIPLES;
 use super::scored::{Case, Scores};
 use crate::print::{print_line, prints};
 
