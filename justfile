@@ -32,6 +32,13 @@ python:
 kill:
     SLIPSTREAM_KILLS=1000 cargo test --release -p slipstream --test kill -- --nocapture
 
+# Long forms of the tests of a watch: ten hours in which nothing changes, and a day for memory and speed; then its delays and
+# false alarms on the halves of real recordings. RECORDINGS: their folder.
+watch RECORDINGS="../shared/recordings":
+    cargo test --release -p slipstream-diagnose --test watch -- --ignored --nocapture
+    cargo build --release -p slipstream
+    for recording in {{RECORDINGS}}/*/; do target/release/slipstream trial --on $recording --watch || true; done
+
 # Long form of the hang test: each role hung a hundred times. Needs a quiet machine.
 hang:
     SLIPSTREAM_HANGS=100 cargo test --release -p slipstream --test hang -- --nocapture --test-threads 1

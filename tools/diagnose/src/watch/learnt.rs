@@ -17,11 +17,12 @@ use crate::model::from_wheels::{
     pose_parameters,
 };
 
-/// Changes by which filters are differentiated: factors, lengths (m) and angles; times (s), which are as large as those that
-/// are looked for, since what is late by more than a drive takes to follow is not seen by a derivative; speeds as a share of
-/// the largest.
+/// Changes by which filters are differentiated: factors, lengths (m) and angles; latencies of references (s), which are small
+/// beside the time between two rows; times of a drive (s), which are as large as those that are looked for, since what is late
+/// by more than a drive takes to follow is not seen by a derivative; speeds as a share of the largest.
 const FACTOR: f64 = 1e-4;
-const LATE_S: f64 = 0.05;
+const LATENCY_S: f64 = 2e-3;
+const DRIVE_S: f64 = 0.05;
 const SPEED_SHARE: f64 = 1e-3;
 
 /// A number that filters read.
@@ -68,7 +69,7 @@ impl Interleaved {
     pub(crate) fn of_row(self, row: usize) -> Option<usize> {
         (0..self.series).find(|k| {
             let first = k * self.stride / self.series;
-            row >= first && (row - first) % self.stride == 0
+            row >= first && (row - first).is_multiple_of(self.stride)
         })
     }
 }
@@ -237,8 +238,8 @@ fn step(own: Parameter, baseline: &Baseline) -> f64 {
         None => baseline.machine.largest_rad_s(),
     };
     match own {
-        Parameter::Machine(POSE_LATENCY | GYRO_LATENCY) => LATE_S,
-        Parameter::Drive(DELAY | LAG) => LATE_S,
+        Parameter::Machine(POSE_LATENCY | GYRO_LATENCY) => LATENCY_S,
+        Parameter::Drive(DELAY | LAG) => DRIVE_S,
         Parameter::Drive(DEAD_ZONE | FRICTION | PULL) => SPEED_SHARE * top,
         _ => FACTOR,
     }

@@ -43,11 +43,12 @@ impl Linear {
         let (e, x) = step(None);
         let p = parameters.len();
         let white = |d: &[f64; M]| whitening.map(|row| row.iter().zip(d).map(|(w, d)| w * d).sum());
+        let innovation: [f64; M] = white(&e);
         let mut own = Self {
             m: M,
             n: N,
             p,
-            innovation: <[f64; M]>::from(white(&e)).to_vec(),
+            innovation: innovation.to_vec(),
             by_state: vec![0.0; M * N],
             by_parameters: vec![0.0; M * p],
             state_by_state: vec![0.0; N * N],
