@@ -5,23 +5,21 @@
 mod common;
 
 use std::collections::BTreeMap;
-use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
 
 use common::slipstream;
+use common::viewer::{Socket, connected};
 use serde_json::{Value, json};
 use slipstream_recording::{Announced, Listener, read_messages};
-use tungstenite::client::IntoClientRequest as _;
-use tungstenite::{Message, WebSocket, connect};
+use tungstenite::Message;
 
 /// Time (ns) and bytes of the messages of each topic.
 type Messages = BTreeMap<String, Vec<(u64, Vec<u8>)>>;
 
 /// A viewer that subscribes to everything.
 struct Viewer {
-    socket: WebSocket<tungstenite::stream::MaybeTlsStream<TcpStream>>,
+    socket: Socket,
     topics: BTreeMap<u64, String>,
     seen: Messages,
 }
@@ -29,25 +27,10 @@ struct Viewer {
 impl Viewer {
     /// Connects as soon as somebody listens.
     fn connect(port: u16) -> Self {
-        let began = Instant::now();
-        loop {
-            let address = format!("ws://127.0.0.1:{port}");
-            let mut request = address.into_client_request().unwrap();
-            let protocol = "foxglove.sdk.v1".parse().unwrap();
-            request
-                .headers_mut()
-                .insert("Sec-WebSocket-Protocol", protocol);
-            match connect(request) {
-                Ok((socket, _)) => {
-                    return Self {
-                        socket,
-                        topics: BTreeMap::new(),
-                        seen: BTreeMap::new(),
-                    };
-                }
-                Err(error) => assert!(began.elapsed() < Duration::from_secs(20), "{error}"),
-            }
-            std::thread::sleep(Duration::from_millis(10));
+        Self {
+            socket: connected(port),
+            topics: BTreeMap::new(),
+            seen: BTreeMap::new(),
         }
     }
 

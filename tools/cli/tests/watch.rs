@@ -5,18 +5,16 @@
 mod common;
 
 use std::fmt::Write as _;
-use std::net::{TcpListener, TcpStream};
+use std::net::TcpListener;
 use std::path::Path;
 use std::process::Output;
-use std::time::{Duration, Instant};
 
 use common::schemas::violations;
+use common::viewer::{Socket, connected};
 use common::{command, read_json, slipstream};
 use serde_json::{Value, json};
 use tempfile::TempDir;
-use tungstenite::client::IntoClientRequest as _;
-use tungstenite::stream::MaybeTlsStream;
-use tungstenite::{Message, WebSocket};
+use tungstenite::Message;
 
 /// Radii (right, left), half track and place of the camera of a robot whose model has 0.05, 0.05, 0.12 and none (m).
 const RADII_M: [f64; 2] = [0.048, 0.049];
@@ -284,25 +282,6 @@ fn viewed(port: u16) -> Vec<Value> {
             Ok(_) => {}
             Err(_) => return sent,
         }
-    }
-}
-
-type Socket = WebSocket<MaybeTlsStream<TcpStream>>;
-
-fn connected(port: u16) -> Socket {
-    let began = Instant::now();
-    loop {
-        let address = format!("ws://127.0.0.1:{port}");
-        let mut request = address.into_client_request().unwrap();
-        let protocol = "foxglove.sdk.v1".parse().unwrap();
-        request
-            .headers_mut()
-            .insert("Sec-WebSocket-Protocol", protocol);
-        match tungstenite::connect(request) {
-            Ok((socket, _)) => return socket,
-            Err(error) => assert!(began.elapsed() < Duration::from_secs(20), "{error}"),
-        }
-        std::thread::sleep(Duration::from_millis(10));
     }
 }
 

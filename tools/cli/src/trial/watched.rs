@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use slipstream_bus::{InputError, RobotModel};
 use slipstream_diagnose::{Event, Request, Smallest, Watch};
 use slipstream_recording::{Pieces, Recording, mended};
-use slipstream_trial::own::{alone, changed_since, half};
+use slipstream_trial::own::{alone, changed_since, half, span_s};
 
 use self::kinds::{Kind, MULTIPLES};
 use self::scored::{Case, Scores};
@@ -23,6 +23,7 @@ use crate::reading::Reading;
 const BEGINS: f64 = 1.0 / 3.0;
 /// Length of the pieces that are heard (s).
 const PIECE_S: f64 = 0.5;
+
 /// What is asked.
 pub(super) struct Asked<'a> {
     /// The recording, how to read it, and its model.
@@ -41,7 +42,9 @@ pub(super) fn run(asked: &Asked<'_>) -> Result<Exit, Error> {
     let models = Models::read(asked.robot)?;
     let read = |path: &Path| -> Result<Recording, Error> {
         let recording = asked.reading.read(path, &models)?.recording;
-        let model = models.of("").or_else(|| recording.model.clone());
+        let first = recording.robots.first();
+        let model = first.and_then(|robot| models.of(&robot.name));
+        let model = model.or_else(|| recording.model.clone());
         let (mended, _) = mended(&recording, &|_| model.clone());
         let own = Recording {
             model,
@@ -67,7 +70,8 @@ pub(super) fn run(asked: &Asked<'_>) -> Result<Exit, Error> {
         progress: &|step| line.set_message(step.to_owned()),
     })?;
     line.finish_and_clear();
-    let [from_s, to_s] = span_s(&heard).ok_or_else(|| {
+    let span_s = heard.robots.first().map(span_s);
+    let [from_s, to_s] = span_s.filter(|[a, b]| a <= b).ok_or_else(|| {
         InputError::new(&place, "has no rows to watch", "give a longer recording")
     })?;
     let onset_s = from_s + (to_s - from_s) * BEGINS;
@@ -90,7 +94,7 @@ pub(super) fn run(asked: &Asked<'_>) -> Result<Exit, Error> {
             let signed = if is_positive { size } else { -size };
             let change = (kind.of)(signed);
             let copy = changed_since(&heard, &model, &change, onset_s);
-            let events = replay(&mut watch, &copy);
+            let events = replay(&mut watch, copy);
             scores.add(
                 Case::new(kind, (multiple, signed), &change, onset_s, &events, &heard),
                 limits.seen_s(kind, size),
@@ -130,21 +134,6 @@ fn parts(
     }
     let [first, second] = [false, true].map(|own| named(half(whole, own)));
     (vec![first], second)
-}
-
-/// From the first row to the last (s).
-fn span_s(recording: &Recording) -> Option<[f64; 2]> {
-    let robot = recording.robots.first()?;
-    let streams = [
-        robot.wheels.as_ref().map(|own| &own.t_s),
-        robot.pose.as_ref().map(|own| &own.t_s),
-        robot.imu.as_ref().map(|own| &own.t_s),
-    ];
-    let ends = streams.into_iter().flatten();
-    let ends = ends.flat_map(|own| [own.first().copied(), own.last().copied()]);
-    ends.flatten()
-        .map(|t_s| [t_s; 2])
-        .reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
 }
 
 /// The smallest changes that would be seen, over time.
@@ -196,8 +185,8 @@ fn unchanged(watch: &mut Watch, heard: &Recording, onset_s: f64) -> (Vec<Event>,
 }
 
 /// What is said of a copy until the first change is settled, by the rows alone.
-fn replay(watch: &mut Watch, copy: &Recording) -> Vec<Event> {
+fn replay(watch: &mut Watch, copy: Recording) -> Vec<Event> {
     watch.again();
-    let pieces = Pieces::new(copy.clone(), PIECE_S);
+    let pieces = Pieces::new(copy, PIECE_S);
     pieces.flat_map(|(_, piece)| watch.hear(&piece)).collect()
 }

@@ -42,19 +42,9 @@ impl Kept {
 
 /// The stamps at which each stream begins and ends (s).
 fn ends_s(robot: &Robot) -> impl Iterator<Item = f64> {
-    let times = [
-        robot.wheels.as_ref().map(|own| &own.t_s),
-        robot.pose.as_ref().map(|own| &own.t_s),
-        robot.imu.as_ref().map(|own| &own.t_s),
-        robot.command.as_ref().map(|own| &own.t_s),
-        robot.odometry.as_ref().map(|own| &own.t_s),
-    ];
-    let both = times.into_iter().flatten();
-    let both = both.flat_map(|own| [own.first().copied(), own.last().copied()]);
-    both.flatten()
-        .filter(|t_s| t_s.is_finite())
-        .collect::<Vec<_>>()
-        .into_iter()
+    let both = robot.stamps().flat_map(|own| [own.first(), own.last()]);
+    let known = both.flatten().copied();
+    known.filter(|t_s| t_s.is_finite())
 }
 
 /// Makes watches of baselines.

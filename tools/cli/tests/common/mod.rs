@@ -6,6 +6,7 @@ pub(crate) mod browser;
 pub(crate) mod faults;
 pub(crate) mod programs;
 pub(crate) mod schemas;
+pub(crate) mod viewer;
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};

@@ -375,15 +375,8 @@ fn wrap(from: i64, to: i64) -> Option<i64> {
 
 /// The first stamp of any stream (s).
 fn first_stamp(robot: &Robot) -> Option<f64> {
-    let firsts = [
-        robot.wheels.as_ref().and_then(|s| s.t_s.first()),
-        robot.odometry.as_ref().and_then(|s| s.t_s.first()),
-        robot.pose.as_ref().and_then(|s| s.t_s.first()),
-        robot.imu.as_ref().and_then(|s| s.t_s.first()),
-        robot.command.as_ref().and_then(|s| s.t_s.first()),
-    ];
-    let all = firsts.into_iter().flatten().copied();
-    all.filter(|t_s| t_s.is_finite()).min_by(f64::total_cmp)
+    let firsts = robot.stamps().filter_map(|own| own.first().copied());
+    firsts.filter(|t_s| t_s.is_finite()).min_by(f64::total_cmp)
 }
 
 #[cfg(test)]

@@ -35,13 +35,6 @@ fn origin(first_s: f64) -> f64 {
 
 /// The instant (s) that counts as zero in the recording of a robot.
 pub(crate) fn origin_of(robot: &Robot) -> f64 {
-    let firsts = [
-        robot.wheels.as_ref().and_then(|s| s.t_s.first()),
-        robot.odometry.as_ref().and_then(|s| s.t_s.first()),
-        robot.pose.as_ref().and_then(|s| s.t_s.first()),
-        robot.imu.as_ref().and_then(|s| s.t_s.first()),
-        robot.command.as_ref().and_then(|s| s.t_s.first()),
-    ];
-    let firsts = firsts.into_iter().flatten().copied();
+    let firsts = robot.stamps().filter_map(|own| own.first().copied());
     origin(firsts.fold(f64::INFINITY, f64::min))
 }

@@ -34,7 +34,6 @@ impl State {
 /// A change that was raised.
 pub(super) struct Alarm {
     pub(super) found: Found,
-    pub(super) state: State,
     /// Looks in a row without it.
     pub(super) missed: u32,
     /// The diagnosis that was asked for and has not answered.
@@ -46,7 +45,6 @@ impl Alarm {
     pub(super) fn new(found: Found) -> Self {
         Self {
             found,
-            state: State::Raised,
             missed: 0,
             asked: None,
             times: 0,

@@ -40,15 +40,12 @@ impl Calibration {
         let all = hypotheses.all.iter();
         let dispersion: Vec<[f64; LENGTHS]> =
             all.map(|own| dispersion(own, courses, &middle)).collect();
-        let last = dispersion.iter().map(|own| own[LENGTHS - 1]);
-        let share = 1.0 / median(last.collect());
-        Some(Self {
-            known: Known {
-                covariance: wide.with(&total, share)?.covariance,
-                mean: middle.mean,
-            },
+        let mut own = Self {
+            known: middle,
             dispersion,
-        })
+        };
+        own.known.covariance = wide.with(&total, own.share())?.covariance;
+        Some(own)
     }
 
     /// Dispersion of a hypothesis over so long (s).

@@ -46,9 +46,14 @@ impl<On> Series<On> {
     }
 }
 
+/// The series of these sources, where there are any.
+fn series<On>(sources: Option<Vec<usize>>) -> Vec<Series<On>> {
+    sources.into_iter().flatten().map(Series::new).collect()
+}
+
 /// The filters of one robot on their way.
 pub(crate) struct Kinematic {
-    pub(crate) learnt: Learnt,
+    learnt: Learnt,
     poses: Vec<Series<wheels_to_pose::On<f64>>>,
     rates: Vec<Series<gyro::On<f64>>>,
     drive: Vec<Series<Channel>>,
@@ -75,7 +80,6 @@ impl Kinematic {
             }));
             (first..sources.len()).collect()
         };
-        let series = |all: Vec<usize>| all.into_iter().map(Series::new).collect();
         let poses = learnt.poses.as_ref();
         let poses = poses.map(|own| add(own.interleaved.series, 4, &own.physics.places));
         let rates = learnt.rates.as_ref();
@@ -83,17 +87,9 @@ impl Kinematic {
         let drive = learnt.driven.as_ref();
         let drive = drive.map(|own| add(2, 3, &own.parameters.places));
         let own = Self {
-            poses: series(poses.unwrap_or_default()),
-            rates: rates
-                .unwrap_or_default()
-                .into_iter()
-                .map(Series::new)
-                .collect(),
-            drive: drive
-                .unwrap_or_default()
-                .into_iter()
-                .map(Series::new)
-                .collect(),
+            poses: series(poses),
+            rates: series(rates),
+            drive: series(drive),
             evidence: Evidence::default(),
             learnt,
             heard: [0; 2],

@@ -41,7 +41,7 @@ pub(super) struct Found {
 pub(super) struct Watched {
     pub(super) name: String,
     /// The model by which rows are read, and the one with everything that the baseline showed.
-    model: RobotModel,
+    pub(super) model: RobotModel,
     pub(super) improved: RobotModel,
     pub(super) feed: Feed,
     filters: Kinematic,
@@ -210,6 +210,18 @@ impl Watched {
         between(&known, &self.hypotheses.repeats, WITHIN_RUN * WITHIN_RUN)
     }
 
+    /// What a hypothesis, with its number, is worth since an onset before which parameters were `known`.
+    fn test(
+        &self,
+        (number, own): (usize, &Hypothesis),
+        onset: &Onset,
+        known: &Known,
+    ) -> Option<Tested> {
+        let dispersion = self.calibration.of(number, self.feed.now_s - onset.t_s);
+        let nuisance = self.bias.map(|bias| (bias, BIAS));
+        test(own, &onset.sum, known, dispersion, nuisance)
+    }
+
     /// All tests of onsets that are due: the onset (s), the number of the hypothesis, and what it is worth.
     fn tests(&self) -> Vec<(f64, usize, Tested)> {
         let now_s = self.feed.now_s;
@@ -222,9 +234,7 @@ impl Watched {
             }
             let known = self.before(onset, number == 0);
             for (hypothesis, own) in self.hypotheses.all.iter().enumerate() {
-                let dispersion = self.calibration.of(hypothesis, age_s);
-                let nuisance = self.bias.map(|bias| (bias, BIAS));
-                if let Some(tested) = test(own, &onset.sum, &known, dispersion, nuisance) {
+                if let Some(tested) = self.test((hypothesis, own), onset, &known) {
                     all.push((onset.t_s, hypothesis, tested));
                 }
             }
@@ -270,13 +280,10 @@ impl Watched {
         let Some((number, onset)) = onsets.find(|(_, own)| own.t_s >= onset_s) else {
             return Vec::new();
         };
-        let age_s = self.feed.now_s - onset.t_s;
         let known = self.before(onset, number == 0);
         let each = self.hypotheses.all.iter().enumerate();
         let each = each.filter_map(|(hypothesis, own)| {
-            let dispersion = self.calibration.of(hypothesis, age_s);
-            let nuisance = self.bias.map(|bias| (bias, BIAS));
-            let tested = test(own, &onset.sum, &known, dispersion, nuisance)?;
+            let tested = self.test((hypothesis, own), onset, &known)?;
             let sizes = tested.smallest(&own.plausible, self.least + own.cost)?;
             Some((own, sizes))
         });

@@ -80,10 +80,9 @@ impl Question {
     }
 }
 
-/// A robot with what it was said of.
-struct Robots {
+/// A robot that is watched, and what was said of it.
+struct Attended {
     watched: Watched,
-    model: RobotModel,
     alarm: Option<Alarm>,
     silence: Silence,
     /// When its parameters were last taken as they are (s); before, they are those of the baseline.
@@ -92,7 +91,7 @@ struct Robots {
 
 /// A watch.
 pub struct Watch {
-    robots: Vec<Robots>,
+    robots: Vec<Attended>,
     /// The baseline has one robot, which the one of the source is, whatever it is called.
     is_alone: bool,
     baseline: Arc<Vec<Recording>>,
@@ -115,7 +114,7 @@ impl Watch {
         };
         let machines = machines(request.recordings);
         let robots = machines.iter().map(|machine| learnt(request, machine));
-        let mut robots: Vec<Robots> = robots.collect::<Result<_, _>>()?;
+        let mut robots: Vec<Attended> = robots.collect::<Result<_, _>>()?;
         let looks = FALSE_ALARM_LOOKS * robots.len() as f64;
         robots.iter_mut().for_each(|own| own.watched.expect(looks));
         let excluded = request.excluded.to_vec();
@@ -170,7 +169,7 @@ impl Watch {
 
     /// A diagnosis that is due.
     pub fn question(&mut self) -> Option<Question> {
-        let place = self.robots.iter().position(Robots::asks)?;
+        let place = self.robots.iter().position(Attended::asks)?;
         let own = &mut self.robots[place];
         let alarm = own.alarm.as_mut()?;
         let origin_s = own.watched.feed.origin_s.unwrap_or(0.0);
@@ -196,7 +195,7 @@ impl Watch {
             number: self.questions,
             recording: named(onset_s)?,
             against,
-            model: own.model.clone(),
+            model: own.watched.model.clone(),
             excluded: self.excluded.clone(),
         })
     }
@@ -232,7 +231,7 @@ impl Watch {
     }
 }
 
-/// Robots without a baseline that are named at most, and pieces that are kept.
+/// Attended without a baseline that are named at most, and pieces that are kept.
 const MOST_UNKNOWN: usize = 16;
 const MOST_KEPT: usize = 4096;
 
@@ -253,18 +252,12 @@ fn not_in_baseline(robot: &Robot, recording: &str) -> Event {
 
 /// The last stamp of a robot's rows (s).
 fn last_s(robot: &Robot) -> Option<f64> {
-    let all = [
-        robot.wheels.as_ref().and_then(|own| own.t_s.last()),
-        robot.pose.as_ref().and_then(|own| own.t_s.last()),
-        robot.imu.as_ref().and_then(|own| own.t_s.last()),
-        robot.command.as_ref().and_then(|own| own.t_s.last()),
-        robot.odometry.as_ref().and_then(|own| own.t_s.last()),
-    ];
-    all.into_iter().flatten().copied().reduce(f64::max)
+    let lasts = robot.stamps().filter_map(|own| own.last().copied());
+    lasts.reduce(f64::max)
 }
 
 /// A machine as its runs say.
-fn learnt(request: &Request<'_>, machine: &Runs<'_>) -> Result<Robots, InputError> {
+fn learnt(request: &Request<'_>, machine: &Runs<'_>) -> Result<Attended, InputError> {
     let name = &machine[0].1.name;
     let model = model_of(request, machine[0])?;
     slipstream_sim::Robot::<f64>::new(&model)?;
@@ -297,10 +290,9 @@ fn learnt(request: &Request<'_>, machine: &Runs<'_>) -> Result<Robots, InputErro
         )
     })?;
     let robots = machine.iter().map(|(_, robot)| *robot);
-    Ok(Robots {
+    Ok(Attended {
         silence: Silence::new(robots, habits.changes_every_s.is_some()),
         watched,
-        model,
         alarm: None,
         absorbed_s: None,
     })
@@ -318,7 +310,7 @@ fn cut(robot: &Robot) -> Vec<Robot> {
         .collect()
 }
 
-impl Robots {
+impl Attended {
     fn hear(&mut self, piece: &Robot, recording: &str, events: &mut Vec<Event>) {
         let odd = self.watched.hear(piece);
         let origin_s = self.watched.feed.origin_s.unwrap_or(0.0);
@@ -361,7 +353,7 @@ impl Robots {
                 let other = self.watched.hypothesis(&found).effect;
                 let is_new = other != self.watched.hypothesis(&alarm.found).effect;
                 alarm.found = found;
-                if is_new && alarm.state == State::Raised {
+                if is_new {
                     let found = alarm.found.clone();
                     events.push(self.event(&found, None, State::Raised));
                 }

@@ -106,14 +106,12 @@ pub(crate) fn test(
     let wide = k + usize::from(nuisance.is_some());
     let mut w = DMatrix::zeros(p, wide);
     w.columns_mut(0, k).copy_from(&own.directions);
-    let rest = &sum.score - &sum.information * &known.mean;
-    let jw = &sum.information * &w;
-    let (mut jw, mut g) = (jw, DMatrix::zeros(wide, wide));
     if let Some((place, _)) = nuisance {
         w[(place, k)] = 1.0;
-        jw = &sum.information * &w;
     }
-    g.copy_from(&(w.transpose() * &jw));
+    let rest = &sum.score - &sum.information * &known.mean;
+    let jw = &sum.information * &w;
+    let mut g = w.transpose() * &jw;
     let least = (0..k).map(|i| g[(i, i)]).fold(f64::INFINITY, f64::min);
     if least <= 0.0 || !least.is_finite() {
         return None;

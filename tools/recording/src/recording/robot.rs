@@ -79,6 +79,18 @@ impl Robot {
         }
     }
 
+    /// Stamps (s) of each stream that tells how the robot moves: all but those of its motors.
+    pub fn stamps(&self) -> impl Iterator<Item = &[f64]> {
+        let all = [
+            self.command.as_ref().map(|own| &own.t_s),
+            self.wheels.as_ref().map(|own| &own.t_s),
+            self.odometry.as_ref().map(|own| &own.t_s),
+            self.pose.as_ref().map(|own| &own.t_s),
+            self.imu.as_ref().map(|own| &own.t_s),
+        ];
+        all.into_iter().flatten().map(Vec::as_slice)
+    }
+
     /// Encoder counts per turn of a wheel: those of the recording, else those of the model.
     pub fn counts_per_rev(&self, model: Option<&RobotModel>) -> Option<f64> {
         self.encoder_counts_per_rev

@@ -16,5 +16,6 @@ pub use change::Change;
 pub use made::alone;
 pub use made::{OwnCase, OwnTrial, make};
 pub use null::half;
+pub use rows::span_s;
 pub use score::{Detectable, OwnReport, score};
 pub use since::changed_since;

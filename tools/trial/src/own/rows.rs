@@ -169,8 +169,8 @@ pub(super) fn times(robot: &mut Robot) -> impl Iterator<Item = &mut f64> {
         .chain(motor)
 }
 
-/// Begin and end of what was measured (s).
-pub(super) fn span_s(robot: &Robot) -> [f64; 2] {
+/// Begin and end of what was measured (s): the end lies before the begin where nothing was.
+pub fn span_s(robot: &Robot) -> [f64; 2] {
     let wheels = robot.wheels.iter().flat_map(|own| &own.t_s);
     let pose = robot.pose.iter().flat_map(|own| &own.t_s);
     let imu = robot.imu.iter().flat_map(|own| &own.t_s);
