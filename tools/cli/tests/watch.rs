@@ -246,8 +246,7 @@ fn a_wheel_that_grows_is_raised_and_confirmed_as_lines_of_json_alone() {
         assert_eq!(own["robot"], "r1");
         assert_eq!(own["finding"]["effect"], "wheel_radius", "{own}");
         let onset_s = own["onset_s"].as_f64().unwrap();
-        // rows of two seconds leave the onset open by as much; a second is aimed at
-        assert!((onset_s - GROWN_S).abs() <= 2.0, "since {onset_s} s");
+        assert!((onset_s - GROWN_S).abs() <= 1.0, "since {onset_s} s");
     }
     let raised_s = all[0]["t_s"].as_f64().unwrap();
     assert!(

@@ -20,8 +20,8 @@ const LEAST_S: f64 = 1.0;
 const WITHIN_RUN: f64 = 0.25;
 /// Onsets within this of the best lie in its 95 % interval (nats).
 const INTERVAL_NATS: f64 = 1.92;
-/// Onsets older than this (s) are looked at every eighth of their age.
-const YOUNG_S: f64 = 4.0;
+/// Onsets older than this (s) are sparse, and looked at every eighth of their age.
+pub(super) const YOUNG_S: f64 = 4.0;
 /// Precision (s²/rad²) with which a bias of a gyro stays as it was before an onset.
 const BIAS: f64 = 1.0 / (1e-3 * 1e-3);
 

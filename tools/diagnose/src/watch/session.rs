@@ -10,7 +10,7 @@ use slipstream_recording::{Pieces, Recording, joined};
 use super::alarm::{Alarm, State};
 use super::change::as_finding;
 use super::learnt::remembers_s;
-use super::robot::{FALSE_ALARM_LOOKS, Found, Smallest, Watched};
+use super::robot::{FALSE_ALARM_LOOKS, Found, Smallest, Watched, YOUNG_S};
 use super::silence::Silence;
 use crate::answer::{Answer, Finding, Warning};
 use crate::data::faults;
@@ -352,7 +352,13 @@ impl Attended {
                 alarm.missed = 0;
                 let other = self.watched.hypothesis(&found).effect;
                 let is_new = other != self.watched.hypothesis(&alarm.found).effect;
-                alarm.found = found;
+                // older onsets are sparse: which of them is left fits best says no more of when it was
+                let was_s = alarm.found.onset_s;
+                let stays = !is_new && self.watched.now_s() - was_s > YOUNG_S;
+                alarm.found = Found {
+                    onset_s: if stays { was_s } else { found.onset_s },
+                    ..found
+                };
                 if is_new {
                     let found = alarm.found.clone();
                     events.push(self.event(&found, None, State::Raised));
