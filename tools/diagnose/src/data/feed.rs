@@ -7,6 +7,7 @@ use std::f64::consts::TAU;
 
 use slipstream_bus::RobotModel;
 use slipstream_recording::recording::{Robot, Wheels as Recorded};
+use slipstream_sim::Command;
 
 use super::command::{CommandPath, asked, per_unit};
 use super::reference::PoseRow;
@@ -48,6 +49,8 @@ pub(crate) struct Habits {
     pub(crate) changes_every_s: Option<f64>,
     /// How long a drive remembers its commands (s).
     pub(crate) remembers_s: f64,
+    /// Forces are heard: commands of any kind and readings of the inertial sensor are kept as they were recorded.
+    pub(crate) of_forces: bool,
 }
 
 /// Streams as they come.
@@ -64,6 +67,9 @@ pub(crate) struct Feed {
     pub(crate) kind: WheelKind,
     pub(crate) rounding_rad: f64,
     pub(crate) commands: CommandPath,
+    /// Where forces are heard: commands, and accelerations (m/s²) with the turn rate (rad/s).
+    pub(crate) told: Vec<(f64, Command)>,
+    pub(crate) inertial: VecDeque<(f64, [f64; 3])>,
     pub(crate) poses: VecDeque<PoseRow>,
     /// The integrated gyro: stamp (s), angle (rad).
     pub(crate) rates: VecDeque<(f64, f64)>,
@@ -89,6 +95,8 @@ impl Feed {
             kind: WheelKind::Angle,
             rounding_rad: 0.0,
             commands: CommandPath::default(),
+            told: Vec::new(),
+            inertial: VecDeque::new(),
             poses: VecDeque::new(),
             rates: VecDeque::new(),
             rate: None,
@@ -121,15 +129,19 @@ impl Feed {
     fn take_commands(&mut self, robot: &Robot, model: &RobotModel, origin_s: f64) {
         let (r, b) = (model.robot.wheel_radius_m, model.robot.half_track_m);
         for (stamp_s, command) in streams::commands(robot) {
-            let Some(per_unit) = per_unit(&command, model) else {
-                return;
-            };
             let t_s = stamp_s - origin_s;
-            self.now_s = self.now_s.max(t_s);
+            if self.habits.of_forces && t_s > self.told_s && is_finite(&command) {
+                self.told.push((t_s, command));
+            }
+            let per_unit = per_unit(&command, model);
+            if per_unit.is_some() || self.habits.of_forces {
+                self.now_s = self.now_s.max(t_s);
+            }
             if t_s <= self.told_s {
                 continue;
             }
             self.told_s = t_s;
+            let Some(per_unit) = per_unit else { continue };
             let speeds = asked(&command, r, b).map(|own| own * per_unit);
             let path = &mut self.commands;
             if speeds.iter().all(|own| own.is_finite()) && path.speeds_rad_s.last() != Some(&speeds)
@@ -246,11 +258,15 @@ impl Feed {
     }
 
     fn take_gyro(&mut self, robot: &Robot, origin_s: f64, odd: &mut Vec<Oddity>) {
-        for (stamp_s, [.., rate]) in streams::inertial(robot).unwrap_or_default() {
+        for (stamp_s, row) in streams::inertial(robot).unwrap_or_default() {
             let t_s = stamp_s - origin_s;
             let last_s = self.rate.map(|own| own.0);
+            let rate = row[2];
             if !rate.is_finite() || !self.follows("the inertial sensor", last_s, t_s, odd) {
                 continue;
+            }
+            if self.habits.of_forces {
+                self.inertial.push_back((t_s, row));
             }
             if let Some((last_s, last)) = self.rate.replace((t_s, rate)) {
                 self.angle += (t_s - last_s) * (rate + last) / 2.0;
@@ -337,12 +353,23 @@ impl Feed {
             path.speeds_rad_s.drain(..old - 1);
             path.running = true;
         }
-        for own in [self.rows.len(), self.poses.len(), self.rates.len()] {
-            if own > MOST_WAITING {
-                self.drop_waiting();
-                break;
-            }
+        let waiting = [
+            self.rows.len(),
+            self.poses.len(),
+            self.rates.len(),
+            self.inertial.len(),
+            self.told.len(),
+        ];
+        if waiting.iter().any(|own| *own > MOST_WAITING) {
+            self.drop_waiting();
         }
+    }
+
+    /// Lets go of rows that nobody hears.
+    pub(crate) fn drop_all(&mut self) {
+        self.rows.clear();
+        self.poses.clear();
+        self.rates.clear();
     }
 
     /// Of rows that wait for what does not come, the older half goes.
@@ -351,6 +378,8 @@ impl Feed {
         self.rows.drain(..half(self.rows.len()));
         self.poses.drain(..half(self.poses.len()));
         self.rates.drain(..half(self.rates.len()));
+        self.inertial.drain(..half(self.inertial.len()));
+        self.told.drain(..half(self.told.len()));
     }
 }
 
@@ -371,6 +400,11 @@ fn wrap(from: i64, to: i64) -> Option<i64> {
             && size(change.wrapping_sub(own * change.signum())) < WRAP_SHARE * size(change)
     });
     own.map(|own| own * change.signum())
+}
+
+/// Whether a command is a number.
+fn is_finite(command: &Command) -> bool {
+    asked(command, 1.0, 1.0).iter().all(|own| own.is_finite())
 }
 
 /// The first stamp of any stream (s).

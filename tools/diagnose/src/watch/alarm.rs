@@ -34,6 +34,8 @@ impl State {
 /// A change that was raised.
 pub(super) struct Alarm {
     pub(super) found: Found,
+    /// When it was raised (s).
+    pub(super) raised_s: f64,
     /// Looks in a row without it.
     pub(super) missed: u32,
     /// The diagnosis that was asked for and has not answered.
@@ -42,9 +44,10 @@ pub(super) struct Alarm {
 }
 
 impl Alarm {
-    pub(super) fn new(found: Found) -> Self {
+    pub(super) fn new(found: Found, raised_s: f64) -> Self {
         Self {
             found,
+            raised_s,
             missed: 0,
             asked: None,
             times: 0,

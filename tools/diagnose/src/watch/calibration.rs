@@ -3,8 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::bank::Bank;
+use super::filters::Filters;
 use super::hypotheses::{Hypotheses, Hypothesis};
-use super::kinematic::Kinematic;
 use super::statistic::{Known, Sum, test};
 
 /// Lengths of blocks (s): each is twice the one before.
@@ -14,6 +14,9 @@ const LENGTHS: usize = 7;
 const LEAST_BLOCKS: usize = 4;
 /// A dispersion is taken this many deviations above its estimate: few blocks know it badly.
 const ABOVE: f64 = 2.0;
+
+/// Least dispersion: a filter that is told of more noise than there is strays less than it thinks.
+const LEAST: f64 = 0.02;
 
 /// The bank of one run of the baseline at rising times (s): sums since its begin.
 pub(crate) type Course = Vec<(f64, Sum)>;
@@ -85,7 +88,8 @@ fn dispersion(own: &Hypothesis, courses: &[Course], middle: &Known) -> [f64; LEN
         mean: middle.mean.clone(),
     };
     let mut all = [1.0; LENGTHS];
-    let mut last = 1.0_f64;
+    let mut last = LEAST;
+    let mut known = false;
     for (length, out) in all.iter_mut().enumerate() {
         let length_s = SHORTEST_S * f64::from(1 << length as u32);
         let blocks = courses.iter().flat_map(|course| blocks(course, length_s));
@@ -95,8 +99,9 @@ fn dispersion(own: &Hypothesis, courses: &[Course], middle: &Known) -> [f64; LEN
             let degrees = (walds.len() * own.len()) as f64;
             let mean = walds.iter().sum::<f64>() / degrees;
             last = last.max(mean * (1.0 + ABOVE * (2.0 / degrees).sqrt()));
+            known = true;
         }
-        *out = last;
+        *out = if known { last } else { 1.0 };
     }
     all
 }
@@ -119,9 +124,9 @@ fn blocks(course: &Course, length_s: f64) -> Vec<Sum> {
 /// The course of a bank with a single onset while a robot's filters hear `hear` piece after piece; `hear` returns the
 /// time (s), or nothing at the end.
 pub(crate) fn course(
-    filters: &mut Kinematic,
+    filters: &mut Filters,
     bank: &mut Bank,
-    mut hear: impl FnMut(&mut Kinematic, &mut Bank) -> Option<f64>,
+    mut hear: impl FnMut(&mut Filters, &mut Bank) -> Option<f64>,
 ) -> Course {
     filters.restart();
     bank.clear();

@@ -1,8 +1,10 @@
 //! What a change may be: each effect of the catalogue that the streams show at once, as directions among the parameters.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
+use slipstream_bus::RobotModel;
 
 use super::learnt::{Learnt, Parameter};
+use crate::answer::Finding;
 use crate::estimate::Prior;
 use crate::estimate::term::{Attribution, Link, Term, Value};
 use crate::explain::kinematic::Baseline;
@@ -31,6 +33,8 @@ pub(crate) struct Hypothesis {
     /// Inflation of its standard errors, and prior log-odds against it (nats).
     pub(crate) inflation: f64,
     pub(crate) cost: f64,
+    /// Its first number cannot be negative.
+    pub(crate) positive: bool,
 }
 
 impl Hypothesis {
@@ -40,7 +44,36 @@ impl Hypothesis {
     }
 }
 
+impl Hypothesis {
+    /// How far the parameters are from those of `model` where its effect is as large as a finding says.
+    pub(super) fn moved(&self, model: &RobotModel, finding: &Finding) -> Option<DVector<f64>> {
+        let change = |own: &Shown| {
+            let mut all = finding.parameters.iter();
+            let known = all.find(|parameter| parameter.name == own.name)?.estimate?;
+            let was = model.number(self.effect, own.name);
+            let change = match own.link {
+                Link::Identity => known - was.unwrap_or(0.0),
+                Link::Log => (known / was.unwrap_or(1.0)).ln(),
+                Link::LogLoss => ((1.0 - known) / (1.0 - was.unwrap_or(0.0))).ln(),
+            };
+            change.is_finite().then_some(change)
+        };
+        let changes: Vec<f64> = self.values.iter().map(change).collect::<Option<_>>()?;
+        if changes.len() != self.len() {
+            return None;
+        }
+        let weights = self
+            .values
+            .iter()
+            .flat_map(|own| own.weights.iter().copied());
+        let by = DMatrix::from_row_iterator(changes.len(), self.len(), weights);
+        let numbers = by.try_inverse()? * DVector::from_vec(changes);
+        Some(&self.directions * numbers)
+    }
+}
+
 /// What may change of a robot, and how far its parameters lie apart.
+#[derive(Default)]
 pub(crate) struct Hypotheses {
     pub(crate) all: Vec<Hypothesis>,
     /// Variance of each parameter among recordings of one unchanged robot, and among robots.
@@ -48,10 +81,32 @@ pub(crate) struct Hypotheses {
     pub(crate) wide: Vec<f64>,
 }
 
+impl Hypotheses {
+    /// Adds what may change of other parameters.
+    pub(super) fn extend(&mut self, other: Self) {
+        let [before, behind] = [self.wide.len(), other.wide.len()];
+        let padded = |own: &mut Hypothesis, [above, below]: [usize; 2]| {
+            let rows = own.directions.nrows();
+            let mut all = DMatrix::zeros(above + rows + below, own.len());
+            all.rows_mut(above, rows).copy_from(&own.directions);
+            own.directions = all;
+        };
+        for own in &mut self.all {
+            padded(own, [0, behind]);
+        }
+        self.all.extend(other.all.into_iter().map(|mut own| {
+            padded(&mut own, [before, 0]);
+            own
+        }));
+        self.repeats.extend(other.repeats);
+        self.wide.extend(other.wide);
+    }
+}
+
 /// Deviation of a parameter that no effect has, and variance of one that repeats.
-const UNKNOWN: f64 = 0.3;
+pub(super) const UNKNOWN: f64 = 0.3;
 /// Deviation of changes of wheels and tracks while a robot drives, as a logarithm: a flat tyre, a slippery floor.
-const CHANGE: f64 = 0.1;
+pub(super) const CHANGE: f64 = 0.1;
 const REPEATS: f64 = 1e-12;
 /// Deviation of the bias of a gyro among recordings, and at all (rad/s).
 const BIAS_RAD_S: [f64; 2] = [0.005, 0.02];
@@ -146,6 +201,7 @@ fn of(table: &Table, places: &[usize], term: &Term, shown: &Attribution) -> Vec<
         mirror: shown.mirror,
         inflation: term.inflation,
         cost: term.cost,
+        positive: false,
     };
     let mut all = wheels(&whole);
     all.push(whole);
@@ -161,7 +217,7 @@ fn weights(own: &Value, parameters: &[usize]) -> Vec<f64> {
 }
 
 /// Of an effect with a factor for each wheel: one wheel alone, the other, both alike.
-fn wheels(whole: &Hypothesis) -> Vec<Hypothesis> {
+pub(super) fn wheels(whole: &Hypothesis) -> Vec<Hypothesis> {
     let [right, left] = whole.values.as_slice() else {
         return Vec::new();
     };
@@ -173,7 +229,7 @@ fn wheels(whole: &Hypothesis) -> Vec<Hypothesis> {
         return Vec::new();
     };
     let along = |sizes: [f64; 2]| {
-        let own = &inverse * nalgebra::DVector::from_column_slice(&sizes);
+        let own = &inverse * DVector::from_column_slice(&sizes);
         let directions = &whole.directions * own;
         let values = whole
             .values

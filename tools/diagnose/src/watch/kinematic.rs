@@ -1,6 +1,7 @@
 //! The filters of a robot that is told speeds or nothing, row by row: commands to wheels, wheels to poses and gyro.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 use super::bank::{Bank, Source};
 use super::evidence::Evidence;
@@ -95,6 +96,17 @@ impl Kinematic {
             heard: [0; 2],
         };
         (own, sources)
+    }
+
+    /// From now on the robot has parameters that are off those of the baseline by `shift`. Returns whether filters read the
+    /// same parameters there.
+    pub(crate) fn move_to(&mut self, shift: &[f64]) -> bool {
+        let other = Learnt::new(Arc::clone(&self.learnt.baseline), shift);
+        if other.places() != self.learnt.places() {
+            return false;
+        }
+        self.learnt = other;
+        true
     }
 
     /// Forgets where the robot is.
@@ -464,7 +476,7 @@ fn whitening(own: &Innovation<f64>) -> [[f64; 3]; 3] {
 const FAR: f64 = 3.0;
 
 /// The root of the weight of a row of so many numbers whose innovation has this size in deviations.
-fn counts(size: f64, numbers: f64) -> f64 {
+pub(super) fn counts(size: f64, numbers: f64) -> f64 {
     let share = FAR * numbers.sqrt() / size.abs();
     share.min(1.0).sqrt()
 }

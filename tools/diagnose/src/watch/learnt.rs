@@ -1,5 +1,7 @@
 //! What filters read of a robot as its baseline was fitted, and of the same robot after a small change of each parameter.
 
+use std::sync::Arc;
+
 use crate::data::reference::Thinned;
 use crate::data::streams::WheelKind;
 use crate::explain::kinematic::Baseline;
@@ -24,6 +26,11 @@ const FACTOR: f64 = 1e-4;
 const LATENCY_S: f64 = 2e-3;
 const DRIVE_S: f64 = 0.05;
 const SPEED_SHARE: f64 = 1e-3;
+
+/// What a floor adds to way and heading at least, in each metre (m, rad): a filter that is sure of its floor does not follow
+/// what changes.
+const LEAST_M: f64 = 1e-3;
+const LEAST_RAD: f64 = 2e-3;
 
 /// A number that filters read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -109,7 +116,7 @@ pub(crate) struct Driven {
 
 /// What filters read of a robot.
 pub(crate) struct Learnt {
-    pub(crate) baseline: Baseline,
+    pub(crate) baseline: Arc<Baseline>,
     pub(crate) parameters: Vec<Parameter>,
     /// The drive as which the wheels turn where none were recorded.
     pub(crate) commanded: Option<Moved<Vec<f64>>>,
@@ -121,14 +128,21 @@ pub(crate) struct Learnt {
 }
 
 impl Learnt {
-    pub(crate) fn new(baseline: Baseline) -> Self {
+    /// What a baseline says of a robot whose parameters are off by `shift` since; 0 where it ends.
+    pub(crate) fn new(baseline: Arc<Baseline>, shift: &[f64]) -> Self {
         let fitted = baseline.fitted();
         let at = &baseline.found.selected.fit.at;
         let all = fitted.machine_at(at);
-        let local =
+        let mut local =
             mean((0..baseline.machine.runs.len()).map(|run| baseline.machine.local(run, &all)));
-        let drive = fitted.drive_at(at);
+        let mut drive = fitted.drive_at(at);
         let parameters = parameters(&baseline);
+        for (own, by) in parameters.iter().zip(shift) {
+            match (*own, &mut drive) {
+                (Parameter::Drive(i), Some(drive)) => drive[i] += by,
+                _ => local = moved_local(*own, *by, &local, drive.is_some()),
+            }
+        }
         let steps: Vec<f64> = parameters.iter().map(|own| step(*own, &baseline)).collect();
         let locals: Vec<Vec<f64>> = parameters
             .iter()
@@ -152,6 +166,16 @@ impl Learnt {
             parameters,
             baseline,
         }
+    }
+
+    /// Which parameters each filter reads.
+    pub(crate) fn places(&self) -> [Option<&[usize]>; 4] {
+        [
+            self.commanded.as_ref().map(|own| &own.places[..]),
+            self.poses.as_ref().map(|own| &own.physics.places[..]),
+            self.rates.as_ref().map(|own| &own.models.places[..]),
+            self.driven.as_ref().map(|own| &own.parameters.places[..]),
+        ]
     }
 
     /// Which of the parameters is the bias of the gyro.
@@ -265,6 +289,7 @@ fn poses(baseline: &Baseline, local: &[f64], locals: &[Vec<f64>], steps: &[f64])
     let reads = |own: &[f64]| (pose_parameters(own), drive_parameters(own).to_vec());
     let own = Moved::new(local, locals, steps, reads);
     let noise = wheels_to_pose::noise(&pose_parameters(local)[wheels_to_pose::PHYSICS..]);
+    let noise = noise.at_least(LEAST_M, LEAST_RAD);
     Some(Poses {
         interleaved: Interleaved::of(run.pose.as_ref()?),
         interval_s: run.pose_interval_s(),

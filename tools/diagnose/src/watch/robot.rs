@@ -6,12 +6,11 @@ use slipstream_recording::recording::Robot;
 
 use super::bank::{Bank, ONSET_STEP_S, Onset};
 use super::calibration::{Calibration, Course, course};
-use super::hypotheses::{self, Hypotheses, Hypothesis};
-use super::kinematic::Kinematic;
-use super::learnt::Learnt;
+use super::filters::{Filters, Prepared};
+use super::hypotheses::{Hypotheses, Hypothesis};
 use super::statistic::{Known, Tested, test};
+use crate::answer::Finding;
 use crate::data::feed::{Feed, Habits, Oddity};
-use crate::explain::kinematic::Baseline;
 use crate::select::criterion::TIE_NATS;
 
 /// Least time since an onset (s): what shows within less is a row or two.
@@ -44,7 +43,7 @@ pub(super) struct Watched {
     pub(super) model: RobotModel,
     pub(super) improved: RobotModel,
     pub(super) feed: Feed,
-    filters: Kinematic,
+    filters: Filters,
     bank: Bank,
     pub(super) hypotheses: Hypotheses,
     calibration: Calibration,
@@ -52,6 +51,8 @@ pub(super) struct Watched {
     /// Where parameters were when the bank began.
     known: Known,
     bias: Option<usize>,
+    /// How far parameters are from those of the baseline by what was confirmed.
+    shift: Vec<f64>,
     next_s: f64,
     /// What a factor has to reach (nats).
     least: f64,
@@ -59,26 +60,25 @@ pub(super) struct Watched {
 
 impl Watched {
     /// A robot like that of the baseline, whose runs, cut into pieces, are `runs`; `None` where these say nothing.
-    pub(super) fn new(
-        name: &str,
-        model: &RobotModel,
-        baseline: Baseline,
-        (habits, excluded): (Habits, &[String]),
-        runs: &[Vec<Robot>],
-    ) -> Option<Self> {
-        let improved = baseline.model.clone();
-        let learnt = Learnt::new(baseline);
-        let (hypotheses, bias) = (hypotheses::all(&learnt, excluded), learnt.bias());
-        let parameters = learnt.parameters.len();
-        let (mut filters, sources) = Kinematic::new(learnt);
-        let mut bank = Bank::new(parameters, sources);
+    pub(super) fn new(name: &str, baseline: Prepared, runs: &[Vec<Robot>]) -> Option<Self> {
+        let Prepared {
+            model,
+            improved,
+            mut filters,
+            sources,
+            hypotheses,
+            bias,
+            habits,
+        } = baseline;
+        let shift = vec![0.0; hypotheses.wide.len()];
+        let mut bank = Bank::new(shift.len(), sources);
         let courses: Vec<Course> = runs
             .iter()
             .map(|pieces| {
                 let mut feed = Feed::new(habits);
                 let mut pieces = pieces.iter();
                 course(&mut filters, &mut bank, |filters, bank| {
-                    feed.take(pieces.next()?, model);
+                    feed.take(pieces.next()?, &model);
                     filters.hear(&mut feed, bank);
                     Some(feed.now_s)
                 })
@@ -87,7 +87,7 @@ impl Watched {
         let calibration = Calibration::new(&courses, &hypotheses)?;
         let mut own = Self {
             name: name.to_owned(),
-            model: model.clone(),
+            model,
             improved,
             feed: Feed::new(habits),
             filters,
@@ -97,6 +97,7 @@ impl Watched {
             calibration,
             habits,
             bias,
+            shift,
             next_s: 0.0,
             least: f64::INFINITY,
         };
@@ -108,6 +109,10 @@ impl Watched {
     /// Begins anew: nothing was heard.
     pub(super) fn again(&mut self) {
         self.feed = Feed::new(self.habits);
+        if self.shift.iter().any(|own| *own != 0.0) {
+            self.shift.fill(0.0);
+            self.filters.move_to(&self.shift);
+        }
         self.filters.restart();
         self.bank.clear();
         self.next_s = 0.0;
@@ -183,8 +188,15 @@ impl Watched {
         });
     }
 
-    /// What changed is what is from now on.
-    pub(super) fn absorb(&mut self, onset_s: f64) {
+    /// What changed is what is from now on: as a diagnosis says, or else as the rows since the onset do.
+    pub(super) fn absorb(&mut self, onset_s: f64, finding: Option<&Finding>) {
+        if finding.is_some_and(|own| self.follow(own)) {
+            self.filters.restart();
+            let known = &self.calibration.known;
+            let within = WITHIN_RUN * WITHIN_RUN;
+            self.restart(between(known, &self.hypotheses.repeats, within));
+            return;
+        }
         let mut onsets = self.bank.onsets.iter();
         let own = onsets
             .find(|own| own.t_s >= onset_s)
@@ -198,6 +210,33 @@ impl Watched {
             wide.with(&own.sum, self.calibration.share())
         });
         self.restart(known.unwrap_or_else(|| self.known.clone()));
+    }
+
+    /// Takes over what a diagnosis found, if it is among what may change.
+    fn follow(&mut self, finding: &Finding) -> bool {
+        let same = self
+            .hypotheses
+            .all
+            .iter()
+            .filter(|own| own.effect == finding.effect);
+        let Some(whole) = same.max_by_key(|own| own.len()) else {
+            return false;
+        };
+        let Some(moved) = whole.moved(&self.improved, finding) else {
+            return false;
+        };
+        let mut shift = self.shift.clone();
+        for (place, own) in shift.iter_mut().enumerate() {
+            if whole.directions.row(place).iter().any(|own| *own != 0.0) {
+                *own = moved[place];
+            }
+        }
+        if !self.filters.move_to(&shift) {
+            self.filters.move_to(&self.shift);
+            return false;
+        }
+        self.shift = shift;
+        true
     }
 
     /// Where parameters were before an onset.

@@ -9,21 +9,21 @@ use slipstream_recording::{Pieces, Recording, joined};
 
 use super::alarm::{Alarm, State};
 use super::change::as_finding;
-use super::learnt::remembers_s;
+use super::filters::prepared;
 use super::robot::{FALSE_ALARM_LOOKS, Found, Smallest, Watched, YOUNG_S};
 use super::silence::Silence;
 use crate::answer::{Answer, Finding, Warning};
 use crate::data::faults;
-use crate::data::feed::{Habits, Oddity};
-use crate::data::wheels::changes_every_s;
+use crate::data::feed::Oddity;
 use crate::diagnosis::{diagnose, machines};
-use crate::explain::kinematic::{self, Task};
 use crate::request::{Request, Runs, model_of};
 
 /// Length of the pieces into which a baseline is cut (s).
 const PIECE_S: f64 = 0.5;
 /// How long rows are kept for a diagnosis (s).
 const KEPT_S: f64 = 300.0;
+/// A change that was raised may get another name for so long (s); then a diagnosis is due.
+const RENAMED_S: f64 = 8.0;
 /// Rows before a change that are compared with it, at least (s).
 const BEFORE_S: f64 = 20.0;
 
@@ -262,25 +262,11 @@ fn learnt(request: &Request<'_>, machine: &Runs<'_>) -> Result<Attended, InputEr
     let model = model_of(request, machine[0])?;
     slipstream_sim::Robot::<f64>::new(&model)?;
     let progress = |what: &str| (request.progress)(&format!("{name}, baseline: {what}"));
-    let baseline = kinematic::baseline(&Task {
-        runs: machine,
-        model: &model,
-        excluded: request.excluded,
-        excluded_s: request.excluded_s,
-        progress: &progress,
-        illustrate: None,
-        before: None,
-    })?;
-    let changes = machine
-        .iter()
-        .filter_map(|(_, robot)| changes_every_s(robot, &model));
-    let habits = Habits {
-        changes_every_s: changes.reduce(f64::max),
-        remembers_s: remembers_s(&baseline),
-    };
+    let prepared = prepared(request, machine, &model, &progress)?;
+    let rests = prepared.habits.changes_every_s.is_some();
     let runs: Vec<Vec<Robot>> = machine.iter().map(|(_, robot)| cut(robot)).collect();
     progress("how far it strays by itself");
-    let watched = Watched::new(name, &model, baseline, (habits, request.excluded), &runs);
+    let watched = Watched::new(name, prepared, &runs);
     let watched = watched.ok_or_else(|| {
         let remedy = "drive some metres with turns, with wheels or commands and a pose or a gyro";
         InputError::new(
@@ -291,7 +277,7 @@ fn learnt(request: &Request<'_>, machine: &Runs<'_>) -> Result<Attended, InputEr
     })?;
     let robots = machine.iter().map(|(_, robot)| *robot);
     Ok(Attended {
-        silence: Silence::new(robots, habits.changes_every_s.is_some()),
+        silence: Silence::new(robots, rests),
         watched,
         alarm: None,
         absorbed_s: None,
@@ -346,12 +332,15 @@ impl Attended {
             (None, None) => (),
             (None, Some(found)) => {
                 events.push(self.event(&found, None, State::Raised));
-                self.alarm = Some(Alarm::new(found));
+                self.alarm = Some(Alarm::new(found, self.watched.now_s()));
             }
             (Some(alarm), Some(found)) => {
                 alarm.missed = 0;
                 let other = self.watched.hypothesis(&found).effect;
                 let is_new = other != self.watched.hypothesis(&alarm.found).effect;
+                if is_new && self.watched.now_s() - alarm.raised_s > RENAMED_S {
+                    return;
+                }
                 // older onsets are sparse: which of them is left fits best says no more of when it was
                 let was_s = alarm.found.onset_s;
                 let stays = !is_new && self.watched.now_s() - was_s > YOUNG_S;
@@ -404,7 +393,7 @@ impl Attended {
             (None, Ok(_)) if alarm.is_last() => self.event(&found, None, State::Withdrawn),
             (None, _) => return Vec::new(),
         };
-        self.watched.absorb(found.onset_s);
+        self.watched.absorb(found.onset_s, confirmed);
         self.absorbed_s = Some(self.watched.now_s());
         self.alarm = None;
         vec![event]

@@ -125,6 +125,9 @@ pub(crate) fn test(
     let by_known = (&inverse / dispersion) * jw.transpose();
     let covariance = &inverse + &by_known * &known.covariance * by_known.transpose();
     let change = change.rows(0, k).into_owned();
+    if own.positive && change[0] < 0.0 {
+        return None;
+    }
     let covariance = symmetric(covariance.view((0, 0), (k, k)).into_owned());
     let covariance = covariance * own.inflation * own.inflation;
     let plausible =
@@ -159,6 +162,7 @@ mod tests {
             plausible: vec![0.01; 1],
             inflation: 1.0,
             cost: 0.0,
+            positive: false,
         }
     }
 

@@ -102,7 +102,7 @@ impl Found {
     }
 }
 
-fn unusable(robot: &str) -> InputError {
+pub(super) fn unusable(robot: &str) -> InputError {
     let remedy = "check masses, lengths and units, and the kind of the commands";
     InputError::new(robot, "cannot be simulated by its model", remedy)
 }

@@ -1,6 +1,7 @@
 //! Diagnosis of robots whose masses are known, by the extended Kalman filter over the plant.
 
 pub(crate) mod answer;
+pub(crate) mod baseline;
 mod compare;
 mod condition;
 pub(crate) mod drivers;

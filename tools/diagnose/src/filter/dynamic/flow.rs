@@ -24,6 +24,13 @@ impl Point {
     }
 }
 
+impl Point {
+    /// The commands that lie behind it, of which it lets go.
+    pub(crate) fn passed(&mut self) -> usize {
+        std::mem::take(&mut self.command)
+    }
+}
+
 /// The plant of one robot in one run.
 pub(crate) struct Flow<'a> {
     pub(crate) robot: &'a Robot,
@@ -57,6 +64,28 @@ impl Flow<'_> {
             disturbance: [0.0; 5],
             t_s: self.run.begin_s,
             command: 0,
+        }
+    }
+
+    /// Where a robot that rolls alike would be, were it this one.
+    pub(crate) fn rolling_as(&self, point: &Point, coordinates: &Vector) -> Point {
+        let mut state = self.robot.start([
+            coordinates[POSE],
+            coordinates[POSE + 1],
+            coordinates[POSE + 2],
+        ]);
+        let [surge, turn] = [coordinates[ROLLING], coordinates[ROLLING + 1]];
+        self.robot.set_rolling(&mut state, surge, turn);
+        self.robot.correct(
+            &mut state,
+            &Correction {
+                angle_rad: [coordinates[ANGLE], coordinates[ANGLE + 1]],
+                ..Correction::default()
+            },
+        );
+        Point {
+            state,
+            ..point.clone()
         }
     }
 

@@ -35,9 +35,9 @@ pub(super) const ROLLING: usize = 3;
 /// Angles of both wheels.
 pub(super) const ANGLE: usize = 5;
 /// The disturbances.
-pub(super) const DISTURBED: usize = 7;
+pub(crate) const DISTURBED: usize = 7;
 /// Slip of the right and the left wheel, and lateral.
-pub(super) const SLIP: usize = 12;
+pub(crate) const SLIP: usize = 12;
 
 pub(crate) type Vector = [f64; N];
 pub(crate) type Matrix = [[f64; N]; N];
@@ -147,7 +147,7 @@ impl Noise {
     }
 
     /// What is left of each disturbance after `over_s` (s).
-    pub(super) fn decay(&self, over_s: f64) -> [f64; DISTURBANCES] {
+    pub(crate) fn decay(&self, over_s: f64) -> [f64; DISTURBANCES] {
         let [surge, yaw, other] = self.time_s.map(|time_s| (-over_s / time_s).exp());
         [surge, yaw, other, other, other]
     }

@@ -14,7 +14,7 @@ use crate::filter::dynamic::predictor::innovations;
 use crate::model::hypothesis::{Hypothesis, in_force, slides, with};
 
 /// Longest steps of the plant (s): of wheels that roll, and of wheels that slide or gears that are apart.
-const STEPS_S: [f64; 2] = [5e-3, 2e-3];
+pub(crate) const STEPS_S: [f64; 2] = [5e-3, 2e-3];
 /// Multiple of the squares of a fit's innovations beyond which a simulation is given up.
 const HOPELESS: f64 = 10.0;
 /// What two integrators of one robot of 1.6 kg differ by: force, moment, creep along, about and across;

@@ -150,37 +150,7 @@ fn run(track: &Track, model: &RobotModel) -> Run {
             count_once(&mut rows[first..]);
         }
     }
-    let mut start = [0.0; N];
-    let mut deviation = [0.0; N];
-    let [rest_or_not, speeds] = motion(&rows, model);
-    let slow = rest_or_not[0] == 0.0;
-    for i in 0..2 {
-        start[3 + i] = if slow { 0.0 } else { speeds[i] };
-        deviation[3 + i] = if slow { AT_REST[i] } else { MOVING[i] };
-    }
-    deviation[..3].copy_from_slice(&START_POSE);
-    let first_of = |sensor: Sensor| rows.iter().find(|row| row.sensor == sensor);
-    if let Some(row) = first_of(Sensor::Pose) {
-        let [x, y, yaw] = row.value.map(|own| if own.is_finite() { own } else { 0.0 });
-        let (sin, cos) = yaw.sin_cos();
-        let ahead = track.tracked_ahead_m;
-        start[..3].copy_from_slice(&[x - ahead * cos, y - ahead * sin, yaw]);
-    }
-    if let Some(row) = first_of(Sensor::WheelAngle) {
-        let wide = 12_f64.sqrt();
-        for i in 0..2 {
-            start[5 + i] = row.value[i];
-            deviation[5 + i] = wide * row.variance[i].sqrt();
-        }
-    }
-    for own in &mut deviation[12..] {
-        *own = START_SLIP;
-    }
-    let mut lost_deviation = deviation;
-    lost_deviation[3..5].copy_from_slice(&MOVING);
-    for own in &mut lost_deviation[5..7] {
-        *own = LOST_ANGLE_RAD;
-    }
+    let start = Start::of(&rows, track.tracked_ahead_m, model);
     let first_s = rows
         .iter()
         .map(|row| row.stamp_s)
@@ -194,13 +164,63 @@ fn run(track: &Track, model: &RobotModel) -> Run {
         } else {
             told_s
         },
-        start,
-        start_deviation: deviation,
+        start: start.at,
+        start_deviation: start.deviation,
         tracked_ahead_m: track.tracked_ahead_m,
         without_gravity: track.imu_without_weight,
         left_out_s: track.left_out_s.clone(),
-        lost_deviation,
+        lost_deviation: start.lost_deviation,
         gusts_s: Vec::new(),
+    }
+}
+
+/// Where a robot is when it is first seen.
+pub(crate) struct Start {
+    pub(crate) at: [f64; N],
+    pub(crate) deviation: [f64; N],
+    /// The same after times of which nothing is believed.
+    pub(crate) lost_deviation: [f64; N],
+}
+
+impl Start {
+    /// By the first rows of each sensor.
+    pub(crate) fn of(rows: &[Row], tracked_ahead_m: f64, model: &RobotModel) -> Self {
+        let mut start = [0.0; N];
+        let mut deviation = [0.0; N];
+        let [rest_or_not, speeds] = motion(rows, model);
+        let slow = rest_or_not[0] == 0.0;
+        for i in 0..2 {
+            start[3 + i] = if slow { 0.0 } else { speeds[i] };
+            deviation[3 + i] = if slow { AT_REST[i] } else { MOVING[i] };
+        }
+        deviation[..3].copy_from_slice(&START_POSE);
+        let first_of = |sensor: Sensor| rows.iter().find(|row| row.sensor == sensor);
+        if let Some(row) = first_of(Sensor::Pose) {
+            let [x, y, yaw] = row.value.map(|own| if own.is_finite() { own } else { 0.0 });
+            let (sin, cos) = yaw.sin_cos();
+            let ahead = tracked_ahead_m;
+            start[..3].copy_from_slice(&[x - ahead * cos, y - ahead * sin, yaw]);
+        }
+        if let Some(row) = first_of(Sensor::WheelAngle) {
+            let wide = 12_f64.sqrt();
+            for i in 0..2 {
+                start[5 + i] = row.value[i];
+                deviation[5 + i] = wide * row.variance[i].sqrt();
+            }
+        }
+        for own in &mut deviation[12..] {
+            *own = START_SLIP;
+        }
+        let mut lost_deviation = deviation;
+        lost_deviation[3..5].copy_from_slice(&MOVING);
+        for own in &mut lost_deviation[5..7] {
+            *own = LOST_ANGLE_RAD;
+        }
+        Self {
+            at: start,
+            deviation,
+            lost_deviation,
+        }
     }
 }
 

@@ -28,6 +28,8 @@ const TORQUE: usize = 5;
 /// The error of a stamp, and the first of the shares beyond known errors.
 const JITTER: usize = 6;
 const BEYOND: usize = 7;
+/// Share of the sizes that are expected below which a filter that follows changes takes none.
+const HUMBLE: f64 = 0.1;
 /// Sizes and times.
 pub(super) const SIZES: usize = 10;
 const TIMES: usize = 3;
@@ -75,6 +77,16 @@ impl Machine {
         let of_force = place < 2 || place == TORQUE;
         let scale = if of_force { self.mass_share() } else { 1.0 };
         scale * EXPECTED[place]
+    }
+
+    /// The same noise, but no disturbance below what is expected of a robot: a filter that believes itself less follows what
+    /// changes.
+    pub(crate) fn humbled(&self, own: &Noise) -> Noise {
+        let expected = self.noise(&[0.0; COUNT], own.of_wheels);
+        Noise {
+            size: std::array::from_fn(|k| own.size[k].max(HUMBLE * expected.size[k])),
+            ..*own
+        }
     }
 
     /// Noise at these parameters.
