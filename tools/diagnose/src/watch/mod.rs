@@ -6,6 +6,7 @@ mod calibration;
 mod change;
 mod event;
 mod evidence;
+mod formation;
 mod hypotheses;
 mod kinematic;
 mod learnt;

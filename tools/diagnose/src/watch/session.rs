@@ -10,6 +10,7 @@ use slipstream_recording::{Pieces, Recording, joined};
 use super::alarm::{Alarm, State};
 use super::change::as_finding;
 pub use super::event::{Change, Event};
+use super::formation::Formation;
 use super::learnt::remembers_s;
 use super::links::Links;
 use super::robot::{FALSE_ALARM_LOOKS, Found, Smallest, Watched, YOUNG_S};
@@ -71,6 +72,7 @@ struct Attended {
 pub struct Watch {
     robots: Vec<Attended>,
     links: Links,
+    formation: Formation,
     /// The baseline has one robot, which the one of the source is, whatever it is called.
     is_alone: bool,
     baseline: Arc<Vec<Recording>>,
@@ -104,6 +106,7 @@ impl Watch {
             is_alone: robots.len() == 1,
             robots,
             links,
+            formation: Formation::new(&recordings),
             baseline: Arc::new(recordings.into_owned()),
             kept: VecDeque::new(),
             unknown: Vec::new(),
@@ -131,6 +134,7 @@ impl Watch {
             }
         }
         events.extend(self.links.hear(piece));
+        self.formation.hear(piece, &mut events);
         self.keep(piece);
         events
     }
@@ -203,6 +207,7 @@ impl Watch {
             (own.alarm, own.absorbed_s) = (None, None);
         }
         self.links.again();
+        self.formation.again();
         self.kept.clear();
         self.unknown.clear();
     }
