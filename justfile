@@ -36,6 +36,7 @@ kill:
 # false alarms on the halves of real recordings. RECORDINGS: their folder.
 watch RECORDINGS="../shared/recordings":
     cargo test --release -p slipstream-diagnose --test watch -- --ignored --nocapture
+    cargo test --release -p slipstream-diagnose --lib watch::links -- --ignored --nocapture
     cargo build --release -p slipstream
     for recording in {{RECORDINGS}}/*/; do target/release/slipstream trial --on $recording --watch || true; done
 

@@ -134,3 +134,28 @@ fn messages_that_the_network_lost_are_those_left_out() {
     }
     assert_eq!(line.counts().received, 6);
 }
+
+/// From a time on messages are later; what they draw is the same.
+#[test]
+fn a_link_becomes_slower_for_messages_that_are_sent_from_then_on() {
+    let change = |links: &mut LinkSettings| {
+        links.delay_s = 0.1;
+        links.jitter_s = 0.02;
+        links.loss = 0.1;
+    };
+    let mut usual = DelayLine::new(impairment(change), true);
+    let mut slower = DelayLine::new(impairment(change), true).with_later(vec![
+        (500_000_000, 200_000_000),
+        (800_000_000, -10_000_000_000),
+    ]);
+    for seq in 0..20 {
+        let sent_ns = 50_000_000 * i64::from(seq);
+        let [before, after] = [&mut usual, &mut slower].map(|own| own.push(position(seq, sent_ns)));
+        let expected = before.map(|own| match sent_ns {
+            ..500_000_000 => own,
+            500_000_000..800_000_000 => own + 200_000_000,
+            _ => sent_ns,
+        });
+        assert_eq!(after, expected, "message {seq}");
+    }
+}

@@ -91,6 +91,8 @@ struct SimulatedRobot {
     encoder_phase: [f64; 2],
     camera: Option<Sampler<Camera>>,
     imu: Option<Sampler<Imu>>,
+    /// The last command.
+    command: Command,
 }
 
 impl World {
@@ -115,8 +117,27 @@ impl World {
             let command = commands.get(i).unwrap_or(&none);
             let SimulatedRobot { robot, state, .. } = simulated;
             robot.step(state, t_s, dt_s, command);
+            simulated.command = *command;
         }
         self.time_ns += dt_ns;
+    }
+
+    /// From now on robot `i` is another one, which goes on where it is: its motion and the counters of its encoders are
+    /// continuous.
+    ///
+    /// # Panics
+    /// If there is no robot `i`.
+    pub fn replace(&mut self, i: usize, robot: Robot) {
+        let own = &mut self.robots[i];
+        let state = robot.carry_on((&own.robot, &own.state), &own.command);
+        let counted = own.robot.measured_angle(&own.state);
+        let counts = robot.measured_angle(&state);
+        let per_rev = robot.counts_per_rev().unwrap_or(DEFAULT_COUNTS_PER_REV);
+        for side in 0..2 {
+            let apart_rad = counted[side] - counts[side];
+            own.encoder_phase[side] += apart_rad * per_rev / std::f64::consts::TAU;
+        }
+        (own.robot, own.state) = (robot, state);
     }
 
     /// True time since the start of the run (ns).
@@ -232,6 +253,7 @@ impl SimulatedRobot {
             encoder_phase: [phase.uniform(), phase.uniform()],
             camera: sensors.camera.as_ref().map(camera),
             imu: sensors.imu.as_ref().map(imu),
+            command: Command::zero_torque(),
         })
     }
 }

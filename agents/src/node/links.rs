@@ -30,7 +30,8 @@ impl Incoming {
         Self {
             from,
             to,
-            line: DelayLine::new(impairment, links.reorder),
+            line: DelayLine::new(impairment, links.reorder)
+                .with_later(settings.later_ns([from, to])),
             fresh: false,
             token_round: 0,
         }

@@ -77,6 +77,7 @@ impl Default for Settings {
                 state_period_s: 0.02,
                 trace: true,
             },
+            changes: Vec::new(),
             agents: BTreeMap::new(),
             controller: BTreeMap::new(),
         }

@@ -1,6 +1,7 @@
 //! Experiments as plain data: settings, built-in experiments, validation.
 
 mod builtin;
+mod changes;
 mod hears;
 mod parameters;
 mod profile;
@@ -9,6 +10,7 @@ mod setup;
 mod topology;
 mod validate;
 
+pub use changes::{Begins, Change, ChangeTable};
 pub use hears::Hears;
 pub use parameters::{EVERY_ROBOT, ParameterValue, Parameters, program_of};
 pub use profile::Profile;

@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::changes::ChangeTable;
 use super::hears::Hears;
 use super::parameters::{EVERY_ROBOT, Parameters, program_of};
 use super::profile::Profile;
@@ -52,6 +53,9 @@ pub struct Settings {
     pub sensors: SensorSettings,
     /// Content of the recording.
     pub recording: RecordingRates,
+    /// What begins at a time in the run: an effect of a robot, or another delay of a link.
+    #[serde(default)]
+    pub changes: Vec<ChangeTable>,
     /// Programs that control robots in place of the built-in controller, by the robot's name; `*` for all robots without an entry of
     /// their own. Empty: the built-in controller.
     pub agents: BTreeMap<String, String>,
@@ -288,10 +292,11 @@ impl Settings {
     }
 
     /// Expected duration of a token round without losses (ns): on each link the configured delay,
-    /// the jitter, the longest delay of the trace and the wait for the receiver's outer tick.
+    /// the jitter, the longest delay of the trace, changes of the delay and the wait for the receiver's outer tick.
     pub fn expected_token_round_ns(&self, longest_trace_ns: i64) -> i64 {
         let hop_s = self.links.delay_s + self.links.jitter_s + self.control.outer_period_s;
         i64::from(self.robots.count) * (ns_from_s(hop_s) + longest_trace_ns)
+            + self.longer_round_ns()
     }
 }
 

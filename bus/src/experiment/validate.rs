@@ -29,6 +29,7 @@ impl Settings {
         self.sensors.present().validate()?;
         self.validate_links()?;
         topology::validate(self)?;
+        self.changes_in_time()?;
         self.validate_agents()
     }
 

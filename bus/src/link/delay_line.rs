@@ -40,6 +40,8 @@ pub struct DelayLine {
     reorder: bool,
     /// By available time; messages of equal time in the order of sending.
     in_flight: Vec<InFlight>,
+    /// From when on messages are delayed by how much more (ns), in the order of time.
+    later_ns: Vec<(i64, i64)>,
     last_available_ns: i64,
     newest_sampled_ns: i64,
     /// Sequence number of the next message; `None` before the first.
@@ -63,11 +65,25 @@ impl DelayLine {
             impairment,
             reorder,
             in_flight: Vec::with_capacity(INITIAL_CAPACITY),
+            later_ns: Vec::new(),
             last_available_ns: 0,
             newest_sampled_ns: i64::MIN,
             next_seq: None,
             counts: LinkCounts::default(),
         }
+    }
+
+    /// The same, with messages sent from a time on delayed by so much more or less (ns). Times rise.
+    #[must_use]
+    pub fn with_later(self, later_ns: Vec<(i64, i64)>) -> Self {
+        Self { later_ns, ..self }
+    }
+
+    /// How much more a message that is sent now is delayed (ns).
+    fn more_ns(&self, sent_ns: i64) -> i64 {
+        let begun = self.later_ns.partition_point(|own| own.0 <= sent_ns);
+        let last = begun.checked_sub(1).and_then(|i| self.later_ns.get(i));
+        last.map_or(0, |own| own.1)
     }
 
     /// Adds a message; to be called in the order of sending. Returns when the message becomes
@@ -81,6 +97,9 @@ impl DelayLine {
             self.counts.lost += 1;
             return None;
         };
+        let delay_ns = delay_ns
+            .saturating_add(self.more_ns(position.sent_ns))
+            .max(0);
         let mut available_ns = position.sent_ns.saturating_add(delay_ns);
         if !self.reorder {
             available_ns = available_ns.max(self.last_available_ns);

@@ -52,6 +52,38 @@ impl<S: Scalar> Robot<S> {
         state.body.lagged = actuation.lagged;
     }
 
+    /// The state in which this robot goes on where another one, `before`, is, which has been commanded `command` last: place,
+    /// motion and angles are the same, and what is left in delay, lag and gears is as far as this robot has them.
+    pub fn carry_on(&self, before: (&Self, &State<S>), command: &Command<S>) -> State<S> {
+        let (other, was) = before;
+        let mut state = self.start(was.body.pose);
+        state.body = was.body.clone();
+        state.external_force.clone_from(&was.external_force);
+        self.set_steady_command(&mut state, command);
+        if self.actuator.delay_s.is_some() && other.actuator.delay_s.is_some() {
+            state.history = was.history.clone();
+        }
+        if other.actuator.lag_s.is_some() {
+            state.body.lagged = was.body.lagged;
+        }
+        let had_gap = other.actuator.gap_rad.is_some();
+        let motors = if had_gap {
+            (was.body.motor_angle, was.body.motor_speed)
+        } else {
+            (was.wheel_angle(), was.wheel_speed())
+        };
+        state.body.motor_angle = motors.0;
+        self.set_motion(&mut state, was.velocity(), was.wheel_speed());
+        if !had_gap {
+            let (kind, command) = self.at_wheels(command);
+            close_gears(self, &mut state, kind, command);
+        } else if self.actuator.gap_rad.is_some() {
+            state.body.motor_speed = motors.1;
+            state.mode.gear = was.mode.gear;
+        }
+        state
+    }
+
     /// Sets delay, lag and gears of `state` to what `past` commands have left of them at `t_s` (s).
     /// Each entry is (from when (s), command), oldest first; the first is taken as steady.
     pub fn replay_commands(&self, state: &mut State<S>, past: &[(f64, Command<S>)], t_s: f64) {

@@ -8,6 +8,7 @@ use slipstream_bus::record::{Record, Recorder};
 use slipstream_bus::time::{ns_from_s, s_from_ns};
 use slipstream_bus::transport::{BusError, LockstepLink};
 
+use super::changes::Changes;
 use super::observer::Observer;
 use crate::{Command, World};
 
@@ -46,6 +47,7 @@ pub fn lockstep(
     let mut encoders = vec![Encoders::default(); robots];
     let mut torques = vec![TorqueCommand::default(); robots];
     let mut commands: Vec<Command> = torques.iter().map(command).collect();
+    let mut changes = changes(experiment)?;
     let mut now_ns = 0;
     while now_ns < end_ns {
         if schedule.due(now_ns).any() {
@@ -62,6 +64,7 @@ pub fn lockstep(
         }
         let grid_ns = (now_ns / step_ns + 1) * step_ns;
         let next_ns = grid_ns.min(schedule.next_after(now_ns)).min(end_ns);
+        changes.apply(world);
         world.step(next_ns - now_ns, &commands);
         observer.step(world, next_ns - now_ns, recorder);
         record_sensors(world, robots, recorder);
@@ -71,6 +74,14 @@ pub fn lockstep(
     require_finite(experiment, world)?;
     read_encoders(world, now_ns, &mut encoders);
     link.publish_final(now_ns, &encoders)
+}
+
+/// What begins within the run.
+pub(super) fn changes(experiment: &Experiment) -> Result<Changes, BusError> {
+    Changes::new(experiment).map_err(|error| BusError::Failed {
+        what: "plant".to_owned(),
+        reason: error.to_string(),
+    })
 }
 
 /// Ends a run whose numbers mean nothing any more.

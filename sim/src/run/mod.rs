@@ -1,12 +1,14 @@
 //! The plant's part of a run: stepping the world through an experiment, reporting the ground truth,
 //! and the plant's process.
 
+mod changes;
 mod lockstep;
 mod observer;
 #[cfg(feature = "process")]
 pub mod process;
 mod spacing;
 
+pub use changes::Changes;
 pub use lockstep::{Progress, lockstep};
 pub use observer::{Observer, PlantReport, RobotReport};
 

@@ -17,7 +17,7 @@ use slipstream_ipc::services::{PLANT_CHUNK, Services};
 use slipstream_ipc::wake_page::{Member, Stage};
 
 use super::lockstep::{
-    Progress, applied, command, lockstep, read_encoders, record_sensors, require_finite,
+    Progress, applied, changes, command, lockstep, read_encoders, record_sensors, require_finite,
 };
 use super::observer::{Observer, PlantReport};
 use super::world;
@@ -154,6 +154,7 @@ impl WallClockLoop<'_> {
         let step_ns = ns_from_s(settings.plant.step_s);
         let end_ns = ns_from_s(settings.duration_s);
         let timeout_ns = ns_from_s(settings.plant.command_timeout_s);
+        let mut changes = changes(experiment)?;
         let mut actuators = Actuators::new(experiment.robots.len(), timeout_ns);
         let mut encoders = vec![Encoders::default(); experiment.robots.len()];
         read_encoders(world, 0, &mut encoders);
@@ -171,6 +172,7 @@ impl WallClockLoop<'_> {
             let began_ns = clock.now_ns();
             self.end.check_running()?;
             actuators.receive(self.end, now_ns, clock, self.records)?;
+            changes.apply(world);
             world.step(next_ns - now_ns, &actuators.commands);
             read_encoders(world, next_ns, &mut encoders);
             self.end.publish(next_ns, &encoders)?;

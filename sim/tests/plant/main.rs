@@ -4,6 +4,7 @@
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 mod catalogue;
+mod changes;
 mod closed_forms;
 mod convergence;
 mod derivatives;

@@ -56,7 +56,9 @@ pub fn change(finding: &Finding) -> Option<String> {
     let parts: Vec<String> = parts
         .filter_map(|parameter| phrase(&finding.effect, parameter))
         .collect();
-    (!parts.is_empty()).then(|| parts.join(", "))
+    let link = finding.place.condition.strip_prefix("link ");
+    let from = link.map_or_else(String::new, |link| format!(" on the link {link}"));
+    (!parts.is_empty()).then(|| parts.join(", ") + &from)
 }
 
 /// A change as a person would say it; none where it lies within its interval.
@@ -110,6 +112,7 @@ fn phrase(effect: &str, parameter: &ParameterEstimate) -> Option<String> {
         ("wheels_latency", _) => {
             format!("wheels are stamped {} {}", ms(), either("later", "earlier"))
         }
+        ("link_delay", _) => format!("messages come {} {}", ms(), either("later", "earlier")),
         ("actuator_delay", _) => format!("commands act {} {}", ms(), either("later", "earlier")),
         ("actuator_lag", _) => {
             format!(

@@ -97,6 +97,27 @@ fn errors_name_file_and_line() {
         &["a.toml"],
         &["a.toml:3: links.loss is 1.5; give a fraction"],
     );
+    let payload = "robot = \"r2\"\neffect = \"payload\"\nmass_kg = 1\nx_m = 0\n";
+    for (change, said) in [
+        (
+            format!("at_s = 2\n{payload}"),
+            "r2: effects.payload.y_m is missing; give",
+        ),
+        (
+            format!("at_s = 15\n{payload}"),
+            "entry 1: at_s is 15; give a time before the end",
+        ),
+        (
+            "at_s = 2\nlink = \"r2 to r1\"\ndelay_s = 1\n".to_owned(),
+            "entry 1: link is \"r2 to r1\", which is no link of the run; give one",
+        ),
+    ] {
+        file(
+            "c.toml",
+            &format!("links.protocol = \"periodic\"\n[[changes]]\n{change}"),
+        );
+        assert_refused(folder.path(), &["c.toml"], &["c.toml:2: changes ", said]);
+    }
     file("b.toml", "\n\n[links]\nlos = 0.5\n");
     assert_refused(
         folder.path(),

@@ -68,6 +68,57 @@ fn ten_robots_have_the_same_states() {
     assert_same_states("10", "periodic", 3);
 }
 
+/// What begins within a run begins at the same instant, with the same states before and behind it.
+#[test]
+fn changes_within_a_run_have_the_same_states() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "base = \"platoon\"
+duration_s = 6
+links.delay_s = 0.05
+[[changes]]
+at_s = 2.0005
+robot = \"r2\"
+effect = \"payload\"
+mass_kg = 2
+x_m = 0.05
+y_m = 0
+[[changes]]
+at_s = 4
+link = \"r2 to r3\"
+delay_s = 0.3
+[[changes]]
+at_s = 3
+robot = \"r1\"
+effect = \"backlash\"
+gap_rad = 0.02
+";
+    std::fs::write(folder.path().join("changes.toml"), text).unwrap();
+    let in_process = run_json(folder.path(), &["changes.toml", "--in-process"]);
+    let processes = run_json(folder.path(), &["changes.toml"]);
+    assert_eq!(
+        deterministic_part(&processes),
+        deterministic_part(&in_process)
+    );
+    let until = |duration_s: &str, more: &[&str]| {
+        let set = format!("duration_s={duration_s}");
+        let arguments = ["changes.toml", "--in-process", "--set", &set];
+        let all = run_json(folder.path(), &[&arguments[..], more].concat());
+        all["state_hash"].clone()
+    };
+    let none = ["--set", "changes=[]"];
+    let one = "changes=[{at_s=2.0005, robot='r2', effect='payload', mass_kg=2, x_m=0.05, y_m=0}]";
+    assert_eq!(
+        until("2.5", &["--set", one]),
+        until("2.5", &["--set", &one.replace("mass_kg=2", "mass_kg=2.0")])
+    );
+    assert_ne!(until("2.5", &["--set", one]), until("2.5", &none));
+    let late = one.replace("2.0005", "2.4999");
+    assert_eq!(
+        until("2.49", &["--set", &late.replace("2.4999", "2.4899999")]),
+        until("2.49", &none)
+    );
+}
+
 /// The hash is sensitive: another seed gives another hash.
 #[test]
 fn another_seed_gives_other_states() {

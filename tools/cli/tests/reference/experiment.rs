@@ -40,6 +40,20 @@ headway_s = 0.5
 headway_s = 0.8
 ";
 
+const CHANGES_EXAMPLE: &str = "duration_s = 40.0
+[[changes]]
+at_s = 20.0
+robot = \"r2\"
+effect = \"payload\"
+mass_kg = 1.0
+x_m = 0.05
+y_m = 0.0
+[[changes]]
+at_s = 25.0
+link = \"r1 to r2\"
+delay_s = 0.2
+";
+
 pub(crate) fn page() -> String {
     let resolved = resolve(&Request::default()).unwrap();
     let defaults = resolved.keys.into_iter();
@@ -56,9 +70,28 @@ pub(crate) fn page() -> String {
         head("Experiments", "`bus/src/experiment/settings.rs`"),
         introduction(),
         tables,
+        changes(),
         keys.programs(),
     ]
     .concat()
+}
+
+/// The section of what begins within a run.
+fn changes() -> String {
+    format!(
+        "
+## [[changes]]
+
+What begins at `at_s` (s) in the run. With `robot` and `effect`, the robot has this [effect](effects.md) from then on, with the
+parameters given beside it; place, motion and counters go on where they are. An effect that the robot has is given other numbers. `link_delay`
+and `clock_drift` cannot begin within a run. With `link` and `delay_s`, messages that are sent from then on have this mean delay in
+place of `links.delay_s`; jitter and losses stay.
+
+{}
+On the command line: `--set 'changes=[{{at_s=25, link=\"r1 to r2\", delay_s=0.2}}]'`.
+",
+        checked(CHANGES_EXAMPLE)
+    )
 }
 
 fn introduction() -> String {

@@ -9,7 +9,10 @@ use slipstream_recording::{Pieces, Recording, joined};
 
 use super::alarm::{Alarm, State};
 use super::change::as_finding;
+pub use super::event::{Change, Event};
 use super::filters::prepared;
+use super::formation::Formation;
+use super::links::Links;
 use super::robot::{FALSE_ALARM_LOOKS, Found, Smallest, Watched, YOUNG_S};
 use super::silence::Silence;
 use crate::answer::{Answer, Finding, Warning};
@@ -26,30 +29,6 @@ const KEPT_S: f64 = 300.0;
 const RENAMED_S: f64 = 8.0;
 /// Rows before a change that are compared with it, at least (s).
 const BEFORE_S: f64 = 20.0;
-
-/// A change of a robot.
-#[derive(Debug, Clone)]
-pub struct Change {
-    /// When it was said, and since when it holds (s, as the recording counts).
-    pub t_s: f64,
-    /// See `t_s`.
-    pub onset_s: f64,
-    /// Whose.
-    pub robot: String,
-    /// What it is.
-    pub finding: Finding,
-    /// How sure that is.
-    pub state: State,
-}
-
-/// What a watch says.
-#[derive(Debug, Clone)]
-pub enum Event {
-    /// Something of a robot changed.
-    Change(Box<Change>),
-    /// Rows are not as they should be, at this time (s): no physics.
-    Fault(f64, Warning),
-}
 
 /// A diagnosis that is due; it takes seconds, so that another thread should make it.
 pub struct Question {
@@ -92,6 +71,8 @@ struct Attended {
 /// A watch.
 pub struct Watch {
     robots: Vec<Attended>,
+    links: Links,
+    formation: Formation,
     /// The baseline has one robot, which the one of the source is, whatever it is called.
     is_alone: bool,
     baseline: Arc<Vec<Recording>>,
@@ -115,12 +96,17 @@ impl Watch {
         let machines = machines(request.recordings);
         let robots = machines.iter().map(|machine| learnt(request, machine));
         let mut robots: Vec<Attended> = robots.collect::<Result<_, _>>()?;
-        let looks = FALSE_ALARM_LOOKS * robots.len() as f64;
+        // the links together have as many false alarms as a robot
+        let links = Links::new(&recordings, request.excluded, robots.len() as f64 + 1.0);
+        let shares = robots.len() + usize::from(!links.is_empty());
+        let looks = FALSE_ALARM_LOOKS * shares as f64;
         robots.iter_mut().for_each(|own| own.watched.expect(looks));
         let excluded = request.excluded.to_vec();
         Ok(Self {
             is_alone: robots.len() == 1,
             robots,
+            links,
+            formation: Formation::new(&recordings),
             baseline: Arc::new(recordings.into_owned()),
             kept: VecDeque::new(),
             unknown: Vec::new(),
@@ -147,6 +133,8 @@ impl Watch {
                 None => (),
             }
         }
+        events.extend(self.links.hear(piece));
+        self.formation.hear(piece, &mut events);
         self.keep(piece);
         events
     }
@@ -218,6 +206,8 @@ impl Watch {
             own.silence.again();
             (own.alarm, own.absorbed_s) = (None, None);
         }
+        self.links.again();
+        self.formation.again();
         self.kept.clear();
         self.unknown.clear();
     }

@@ -61,10 +61,7 @@ pub fn resolve(request: &Request) -> Result<Resolved, InputError> {
         )?;
     }
     let settings = tree.settings()?;
-    settings.validate().map_err(|error| {
-        let problem = format!("{} {}", error.place, error.problem);
-        InputError::new(tree.place_of(&error.place), problem, error.remedy)
-    })?;
+    settings.validate().map_err(|error| located(&tree, error))?;
     let experiment = Experiment {
         robots: robots(&settings, &tree, &request.models)?,
         half_round_trips_ns: match settings.links.trace.as_str() {
@@ -74,12 +71,20 @@ pub fn resolve(request: &Request) -> Result<Resolved, InputError> {
         settings,
     };
     check(&experiment, &request.models)?;
+    let began = slipstream_sim::run::Changes::new(&experiment);
+    began.map_err(|error| located(&tree, error))?;
     Ok(Resolved {
         programs: programs(&experiment.settings, &tree),
         experiment,
         keys: tree.listing(),
         assumptions: tree.assumptions(),
     })
+}
+
+/// An error about a key with the place at which the key is set.
+fn located(tree: &KeyTree, error: InputError) -> InputError {
+    let problem = format!("{} {}", error.place, error.problem);
+    InputError::new(tree.place_of(&error.place), problem, error.remedy)
 }
 
 /// The programs of agents, each started in the folder of the file that names it.
