@@ -49,7 +49,7 @@ pub(crate) struct Habits {
     pub(crate) changes_every_s: Option<f64>,
     /// How long a drive remembers its commands (s).
     pub(crate) remembers_s: f64,
-    /// Forces are heard: commands of any kind and readings of the inertial sensor are kept as they were recorded.
+    /// Forces are heard: commands of any kind are kept as they were told.
     pub(crate) of_forces: bool,
 }
 
@@ -67,9 +67,8 @@ pub(crate) struct Feed {
     pub(crate) kind: WheelKind,
     pub(crate) rounding_rad: f64,
     pub(crate) commands: CommandPath,
-    /// Where forces are heard: commands, and accelerations (m/s²) with the turn rate (rad/s).
+    /// Where forces are heard, commands.
     pub(crate) told: Vec<(f64, Command)>,
-    pub(crate) inertial: VecDeque<(f64, [f64; 3])>,
     pub(crate) poses: VecDeque<PoseRow>,
     /// The integrated gyro: stamp (s), angle (rad).
     pub(crate) rates: VecDeque<(f64, f64)>,
@@ -96,7 +95,6 @@ impl Feed {
             rounding_rad: 0.0,
             commands: CommandPath::default(),
             told: Vec::new(),
-            inertial: VecDeque::new(),
             poses: VecDeque::new(),
             rates: VecDeque::new(),
             rate: None,
@@ -258,15 +256,11 @@ impl Feed {
     }
 
     fn take_gyro(&mut self, robot: &Robot, origin_s: f64, odd: &mut Vec<Oddity>) {
-        for (stamp_s, row) in streams::inertial(robot).unwrap_or_default() {
+        for (stamp_s, [.., rate]) in streams::inertial(robot).unwrap_or_default() {
             let t_s = stamp_s - origin_s;
             let last_s = self.rate.map(|own| own.0);
-            let rate = row[2];
             if !rate.is_finite() || !self.follows("the inertial sensor", last_s, t_s, odd) {
                 continue;
-            }
-            if self.habits.of_forces {
-                self.inertial.push_back((t_s, row));
             }
             if let Some((last_s, last)) = self.rate.replace((t_s, rate)) {
                 self.angle += (t_s - last_s) * (rate + last) / 2.0;
@@ -357,7 +351,6 @@ impl Feed {
             self.rows.len(),
             self.poses.len(),
             self.rates.len(),
-            self.inertial.len(),
             self.told.len(),
         ];
         if waiting.iter().any(|own| *own > MOST_WAITING) {
@@ -378,7 +371,6 @@ impl Feed {
         self.rows.drain(..half(self.rows.len()));
         self.poses.drain(..half(self.poses.len()));
         self.rates.drain(..half(self.rates.len()));
-        self.inertial.drain(..half(self.inertial.len()));
         self.told.drain(..half(self.told.len()));
     }
 }

@@ -15,9 +15,6 @@ const LEAST_BLOCKS: usize = 4;
 /// A dispersion is taken this many deviations above its estimate: few blocks know it badly.
 const ABOVE: f64 = 2.0;
 
-/// Least dispersion: a filter that is told of more noise than there is strays less than it thinks.
-const LEAST: f64 = 0.02;
-
 /// The bank of one run of the baseline at rising times (s): sums since its begin.
 pub(crate) type Course = Vec<(f64, Sum)>;
 
@@ -88,8 +85,7 @@ fn dispersion(own: &Hypothesis, courses: &[Course], middle: &Known) -> [f64; LEN
         mean: middle.mean.clone(),
     };
     let mut all = [1.0; LENGTHS];
-    let mut last = LEAST;
-    let mut known = false;
+    let mut last = 1.0_f64;
     for (length, out) in all.iter_mut().enumerate() {
         let length_s = SHORTEST_S * f64::from(1 << length as u32);
         let blocks = courses.iter().flat_map(|course| blocks(course, length_s));
@@ -99,9 +95,8 @@ fn dispersion(own: &Hypothesis, courses: &[Course], middle: &Known) -> [f64; LEN
             let degrees = (walds.len() * own.len()) as f64;
             let mean = walds.iter().sum::<f64>() / degrees;
             last = last.max(mean * (1.0 + ABOVE * (2.0 / degrees).sqrt()));
-            known = true;
         }
-        *out = if known { last } else { 1.0 };
+        *out = last;
     }
     all
 }

@@ -2,6 +2,7 @@
 //! What its wheels, its lengths and its sensors do is told by the filters of the wheels.
 
 use nalgebra::DMatrix;
+use slipstream_bus::EffectSpec;
 use slipstream_sim::Robot;
 use slipstream_sim::effects::{ModelSite, Role, When, find};
 
@@ -21,6 +22,9 @@ const STEP: f64 = 0.05;
 /// of all else in the smallest size that is expected of it.
 const FACTOR: [f64; 3] = [0.006, CHANGE, UNKNOWN];
 const SIZE: [f64; 3] = [0.1, 10.0, 2.0];
+
+/// Prior log-odds (nats) against a change of each number by itself beside one that they share.
+const UNEVEN: f64 = 4.0;
 
 /// A number of an effect.
 struct Number {
@@ -51,6 +55,15 @@ pub(super) struct Plants {
 }
 
 impl Plants {
+    /// The same with another effect, in place of its own.
+    pub(super) fn beside(&mut self, spec: EffectSpec) {
+        let all = &mut self.machine.model.effects;
+        match all.iter_mut().find(|own| own.effect == spec.effect) {
+            Some(own) => *own = spec,
+            None => all.push(spec),
+        }
+    }
+
     /// The plant whose parameters are off those of the baseline by `shift`, and each with one number a little larger; `None`
     /// where no robot has them.
     pub(super) fn at(&self, shift: &[f64]) -> Option<Moved<Robot>> {
@@ -89,7 +102,10 @@ pub(super) fn of(baseline: Baseline) -> Option<(Forces, Hypotheses)> {
     let mut found = Vec::new();
     for (term, numbers) in &terms {
         let whole = whole(&table, term, numbers, (first, each().count()));
-        found.extend(wheels(&whole));
+        found.extend(wheels(&whole).into_iter().map(|own| Hypothesis {
+            cost: term.cost,
+            ..own
+        }));
         found.push(whole);
         first += numbers.len();
     }
@@ -189,7 +205,7 @@ fn whole(
         mirror: None,
         plausible: numbers.iter().map(|own| own.variances()[1]).collect(),
         inflation: 1.0,
-        cost: term.cost,
+        cost: term.cost + UNEVEN * (numbers.len() - 1) as f64,
         positive: term.positive && is_new,
     }
 }
@@ -203,7 +219,6 @@ fn forces(plants: Plants, noise: &Noise) -> Option<Forces> {
         noise: machine.humbled(noise),
         robots: plants.at(&[])?,
         variance,
-        without_gravity: track.imu_without_weight,
         plants,
     })
 }

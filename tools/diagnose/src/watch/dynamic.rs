@@ -1,7 +1,7 @@
-//! How the wheels of a robot and its inertial sensor answer the torques or voltages that it is told: the filter over the
-//! plant, row by row. Poses are left to the filters of the wheels: what a wheel does on its way is no force.
+//! How the wheels of a robot answer the torques or voltages that it is told: the filter over the plant, row by row. Poses and
+//! gyro are left to the filters of the wheels: what a wheel does on its way is no force.
 
-use slipstream_bus::RobotModel;
+use slipstream_bus::{EffectSpec, RobotModel};
 use slipstream_sim::Robot;
 
 use super::bank::{Bank, Source};
@@ -27,10 +27,9 @@ const BEGINS_S: f64 = 0.3;
 /// Slowest wheel of which parameters tell (rad/s).
 const ROLLS_RAD_S: f64 = 0.5;
 /// What is heard, here and in a recording.
-pub(super) const SENSORS: [(Sensor, track::Sensor); 3] = [
+pub(super) const SENSORS: [(Sensor, track::Sensor); 2] = [
     (Sensor::WheelAngle, track::Sensor::WheelAngle),
     (Sensor::WheelSpeed, track::Sensor::WheelSpeed),
-    (Sensor::Imu, track::Sensor::Imu),
 ];
 
 /// What the baseline was fitted as.
@@ -41,9 +40,7 @@ pub(crate) struct Forces {
     pub(crate) plants: Plants,
     pub(crate) robots: Moved<Robot>,
     /// Variances of the readings of each of [`SENSORS`], of those that the baseline has.
-    pub(crate) variance: [Option<[f64; 3]>; 3],
-    /// The accelerometer leaves gravity out.
-    pub(crate) without_gravity: bool,
+    pub(crate) variance: [Option<[f64; 3]>; 2],
 }
 
 /// The filter on its way.
@@ -56,8 +53,8 @@ pub(crate) struct Dynamic {
     before_s: f64,
     /// Rows that wait, by when they were measured (s).
     waiting: Vec<(f64, Row)>,
-    /// Last stamps (s) of the wheels, the inertial sensor and the commands.
-    last_s: [f64; 3],
+    /// Last stamps (s) of the wheels and the commands.
+    last_s: [f64; 2],
     /// The last reading of each wheel, and how often it was read in a row.
     repeated: [(f64, f64); 2],
 }
@@ -71,13 +68,13 @@ impl Dynamic {
             places: places.collect(),
         };
         let own = Self {
-            run: nothing(&forces),
+            run: nothing(),
             source: number,
             forces,
             on: None,
             before_s: f64::NEG_INFINITY,
             waiting: Vec::new(),
-            last_s: [f64::NEG_INFINITY; 3],
+            last_s: [f64::NEG_INFINITY; 2],
             repeated: [(f64::NAN, 0.0); 2],
         };
         (own, source)
@@ -89,7 +86,7 @@ impl Dynamic {
         self.before_s = f64::NEG_INFINITY;
         self.waiting.clear();
         self.run.commands.clear();
-        self.last_s = [f64::NEG_INFINITY; 3];
+        self.last_s = [f64::NEG_INFINITY; 2];
         self.repeated = [(f64::NAN, 0.0); 2];
     }
 
@@ -102,6 +99,11 @@ impl Dynamic {
         self.forces.robots = robots;
         self.on = None;
         true
+    }
+
+    /// From now on the robot has an effect, too, that is none of its forces.
+    pub(crate) fn beside(&mut self, spec: EffectSpec) {
+        self.forces.plants.beside(spec);
     }
 
     /// Hears the rows of a feed that no other stream can precede any more.
@@ -125,7 +127,7 @@ impl Dynamic {
     /// Takes what a feed has.
     fn take(&mut self, feed: &mut Feed) {
         for (t_s, command) in feed.told.drain(..) {
-            self.last_s[2] = t_s;
+            self.last_s[1] = t_s;
             self.run.commands.push((t_s, command));
         }
         let kind = match feed.kind {
@@ -137,10 +139,6 @@ impl Dynamic {
         for (stamp_s, [right, left]) in feed.rows.iter().filter(|row| row.0 > last_s) {
             self.last_s[0] = *stamp_s;
             self.wait(kind, *stamp_s, [*right, *left, f64::NAN]);
-        }
-        for (stamp_s, value) in feed.inertial.drain(..) {
-            self.last_s[1] = stamp_s;
-            self.wait(Sensor::Imu, stamp_s, value);
         }
     }
 
@@ -183,9 +181,7 @@ impl Dynamic {
 
     /// Until when (s) everything was said.
     fn until_s(&self, now_s: f64) -> f64 {
-        let heard = [true, self.forces.variance[2].is_some(), true];
-        let last = self.last_s.iter().zip(heard).filter(|(_, heard)| *heard);
-        let least_s = last.fold(f64::INFINITY, |least, (own, _)| least.min(*own));
+        let least_s = self.last_s[0].min(self.last_s[1]);
         least_s.max(now_s - WAITS_S)
     }
 
@@ -200,9 +196,8 @@ impl Dynamic {
         if until_s - begin_s < BEGINS_S {
             return false;
         }
-        let rows = self.waiting[..due].iter().map(|own| own.1);
-        let wheels = rows.filter(|row| row.sensor != Sensor::Imu);
-        let start = Start::of(&wheels.collect::<Vec<_>>(), 0.0, &self.forces.model);
+        let rows: Vec<Row> = self.waiting[..due].iter().map(|own| own.1).collect();
+        let start = Start::of(&rows, 0.0, &self.forces.model);
         self.run.begin_s = begin_s;
         self.run.start = start.at;
         self.run.start_deviation = of(&self.forces.noise, start.deviation);
@@ -249,7 +244,7 @@ impl Dynamic {
 }
 
 /// A run of which nothing was heard.
-fn nothing(forces: &Forces) -> Run {
+fn nothing() -> Run {
     Run {
         commands: Vec::new(),
         rows: Vec::new(),
@@ -257,7 +252,7 @@ fn nothing(forces: &Forces) -> Run {
         start: [0.0; N],
         start_deviation: [0.0; N],
         tracked_ahead_m: 0.0,
-        without_gravity: forces.without_gravity,
+        without_gravity: false,
         left_out_s: Vec::new(),
         lost_deviation: [0.0; N],
         gusts_s: Vec::new(),
@@ -340,12 +335,10 @@ impl Forces {
         own: &mut Linear,
     ) {
         let coordinates = flow.coordinates(before);
-        let base = gone_on(flow, before, &coordinates, (true_s, 0.0), row);
-        let measured_s = flow.robot.true_s(row.sensor.stream(), row.stamp_s);
+        let base = gone_on(flow, before, &coordinates, true_s, row);
         for (i, (robot, step)) in self.robots.after.iter().zip(&self.robots.steps).enumerate() {
             let other = Flow { robot, ..*flow };
-            let later_s = robot.true_s(row.sensor.stream(), row.stamp_s) - measured_s;
-            let moved = gone_on(&other, before, &coordinates, (true_s, later_s), row);
+            let moved = gone_on(&other, before, &coordinates, true_s, row);
             let seen: [f64; 3] = std::array::from_fn(|a| {
                 let slope = (base.1[a] - moved.1[a]) / step;
                 if slope.is_finite() { slope } else { 0.0 }
@@ -368,27 +361,15 @@ fn rolls(point: &Point) -> bool {
     turn && point.state.slides() == [false; 2] && point.state.engaged() == [true; 2]
 }
 
-/// State and readings of a robot at `true_s` (s), which was at these coordinates before; read by so much later (s).
+/// State and readings of a robot at `true_s` (s), which was at these coordinates before.
 fn gone_on(
     flow: &Flow<'_>,
     before: &Point,
     coordinates: &Vector,
-    (true_s, later_s): (f64, f64),
+    true_s: f64,
     row: &Row,
 ) -> (Vector, [f64; 3]) {
     let mut point = flow.rolling_as(before, coordinates);
     flow.advance(&mut point, true_s);
-    let state = flow.coordinates(&point);
-    let read = flow.measured(&point, row);
-    if later_s == 0.0 {
-        return (state, read);
-    }
-    // a robot does not go back: what it read earlier is as far before as what it reads later is behind
-    flow.advance(&mut point, true_s + later_s.abs());
-    let later = flow.measured(&point, row);
-    let sign = later_s.signum();
-    (
-        state,
-        [0, 1, 2].map(|a| read[a] + sign * (later[a] - read[a])),
-    )
+    (flow.coordinates(&point), flow.measured(&point, row))
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use slipstream_bus::{InputError, RobotModel};
+use slipstream_bus::{EffectSpec, InputError, RobotModel};
 
 use super::bank::{Bank, Source};
 use super::changes;
@@ -58,6 +58,18 @@ impl Filters {
         let forces = self.forces.as_mut();
         wheels.is_none_or(|own| own.move_to(of_wheels))
             && forces.is_none_or(|own| own.move_to(of_forces))
+    }
+
+    /// From now on the robot has an effect that filters of the wheels read; so that forces know of it, too.
+    pub(super) fn beside(&mut self, spec: EffectSpec) {
+        if let Some(own) = &mut self.forces {
+            own.beside(spec);
+        }
+    }
+
+    /// Whether a parameter is one of the wheels.
+    pub(super) fn is_of_wheels(&self, place: usize) -> bool {
+        place < self.of_wheels
     }
 
     pub(super) fn hear(&mut self, feed: &mut Feed, bank: &mut Bank) {

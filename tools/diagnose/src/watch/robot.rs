@@ -1,7 +1,7 @@
 //! One robot that is watched: its rows, its filters, and what they say of each onset.
 
 use nalgebra::{DMatrix, DVector};
-use slipstream_bus::RobotModel;
+use slipstream_bus::{EffectSpec, RobotModel};
 use slipstream_recording::recording::Robot;
 
 use super::bank::{Bank, ONSET_STEP_S, Onset};
@@ -226,10 +226,15 @@ impl Watched {
             return false;
         };
         let mut shift = self.shift.clone();
+        let mut of_wheels = false;
         for (place, own) in shift.iter_mut().enumerate() {
             if whole.directions.row(place).iter().any(|own| *own != 0.0) {
                 *own = moved[place];
+                of_wheels |= self.filters.is_of_wheels(place);
             }
+        }
+        if of_wheels {
+            self.filters.beside(spec(finding));
         }
         if !self.filters.move_to(&shift) {
             self.filters.move_to(&self.shift);
@@ -346,6 +351,13 @@ impl Watched {
     pub(super) fn hypothesis(&self, found: &Found) -> &Hypothesis {
         &self.hypotheses.all[found.hypothesis]
     }
+}
+
+/// What a diagnosis found, as a model lists it.
+fn spec(finding: &Finding) -> EffectSpec {
+    let numbers = finding.parameters.iter();
+    let numbers = numbers.filter_map(|own| Some((own.name.as_str(), own.estimate?)));
+    EffectSpec::new(&finding.effect, &numbers.collect::<Vec<_>>())
 }
 
 /// The smallest change that rows show: of a factor, its logarithm.

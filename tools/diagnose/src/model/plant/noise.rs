@@ -29,7 +29,7 @@ const TORQUE: usize = 5;
 const JITTER: usize = 6;
 const BEYOND: usize = 7;
 /// Share of the sizes that are expected below which a filter that follows changes takes none.
-const HUMBLE: f64 = 0.1;
+const HUMBLE: f64 = 0.3;
 /// Sizes and times.
 pub(super) const SIZES: usize = 10;
 const TIMES: usize = 3;
