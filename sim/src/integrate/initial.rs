@@ -57,7 +57,7 @@ impl<S: Scalar> Robot<S> {
     pub fn carry_on(&self, before: (&Self, &State<S>), command: &Command<S>) -> State<S> {
         let (other, was) = before;
         let mut state = self.start(was.body.pose);
-        state.body = was.body.clone();
+        state.body = was.body;
         state.external_force.clone_from(&was.external_force);
         self.set_steady_command(&mut state, command);
         if self.actuator.delay_s.is_some() && other.actuator.delay_s.is_some() {

@@ -5,9 +5,11 @@
 mod common;
 
 use std::fmt::Write as _;
-use std::net::TcpListener;
+use std::io::{BufRead as _, BufReader};
+use std::net::{TcpListener, TcpStream};
 use std::path::Path;
 use std::process::Output;
+use std::time::{Duration, Instant};
 
 use common::schemas::violations;
 use common::viewer::{Socket, connected};
@@ -526,4 +528,94 @@ fn a_trial_of_changes_that_begin_while_a_robot_drives_conforms() {
     assert_eq!(violations("watch-trial", &answer).len(), 1);
     let alone = ["trial", "--watch"];
     assert_eq!(slipstream(folder.path(), &alone).status.code(), Some(2));
+}
+
+/// A platoon on the wall clock whose link from r1 to r2 becomes slower within the run.
+const PLATOON: &str = "base = \"platoon\"
+duration_s = 14
+[profile]
+times_s = [0.0, 2.0, 12.0, 14.0]
+speeds_m_s = [0.0, 0.3, 0.3, 0.0]
+yaw_rates_rad_s = [0.0, 0.1, 0.1, 0.0]
+[links]
+protocol = \"periodic\"
+delay_s = 0.05
+[sensors.camera]
+rate_hz = 20.0
+";
+const SLOWER: &str = "changes=[{at_s=6, link='r1 to r2', delay_s=0.25}]";
+/// The run takes 14 s; a busy machine may be late by much more.
+const LIVE_TIMEOUT: Duration = Duration::from_secs(120);
+
+/// A link that becomes slower is named while the platoon drives.
+#[test]
+fn a_live_platoon_has_its_slow_link_named() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("platoon.toml"), PLATOON).unwrap();
+    let baseline = [
+        "run",
+        "platoon.toml",
+        "--in-process",
+        "--out",
+        "baseline.mcap",
+    ];
+    assert!(slipstream(folder.path(), &baseline).status.success());
+    let (port, listen) = free_address();
+    let run = [
+        &[
+            "run",
+            "platoon.toml",
+            "--clock",
+            "wall",
+            "--live",
+            &listen,
+            "--live-wait",
+        ][..],
+        &["--set", SLOWER, "--out", "live.mcap"],
+    ];
+    let run = command(folder.path(), &run.concat()).spawn().unwrap();
+    let began = Instant::now();
+    while TcpStream::connect(("127.0.0.1", port)).is_err() {
+        assert!(began.elapsed() < LIVE_TIMEOUT, "nobody listens");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let source = format!("ws://127.0.0.1:{port}");
+    let watch = [
+        "watch",
+        &source,
+        "--against",
+        "baseline.mcap",
+        "--json",
+        "-",
+    ];
+    let mut watch = command(folder.path(), &watch).spawn().unwrap();
+    let output = BufReader::new(watch.stdout.take().unwrap());
+    let (sender, heard) = std::sync::mpsc::channel();
+    std::thread::spawn(move || {
+        output
+            .lines()
+            .map_while(Result::ok)
+            .try_for_each(|own| sender.send(own))
+    });
+    let mut states = Vec::new();
+    while states.last().is_none_or(|own| own != "confirmed") {
+        let left = LIVE_TIMEOUT.saturating_sub(began.elapsed());
+        let line = heard.recv_timeout(left).expect("a line about the link");
+        let own = &lines(&line)[0];
+        let finding = &own["finding"];
+        if finding["effect"] != "link_delay" || finding["where"]["condition"] != "link r1 to r2" {
+            continue;
+        }
+        assert_eq!(own["robot"], "r2");
+        let onset_s = own["onset_s"].as_f64().unwrap();
+        assert!((onset_s - 6.0).abs() <= 1.0, "since {onset_s} s");
+        let delay_s = finding["parameters"][0]["estimate"].as_f64().unwrap();
+        assert!((delay_s - 0.25).abs() < 0.05, "{delay_s} s");
+        states.push(own["state"].as_str().unwrap().to_owned());
+    }
+    assert_eq!(states, ["raised", "confirmed"]);
+    watch.kill().unwrap();
+    watch.wait().unwrap();
+    let output = run.wait_with_output().unwrap();
+    assert!(output.status.success(), "{}", texts(&output).1);
 }
