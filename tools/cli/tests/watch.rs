@@ -619,3 +619,59 @@ fn a_live_platoon_has_its_slow_link_named() {
     let output = run.wait_with_output().unwrap();
     assert!(output.status.success(), "{}", texts(&output).1);
 }
+
+/// A robot on torques whose load becomes larger within its second minute.
+const LOADED: &str = "base = \"platoon\"
+duration_s = 40
+[profile]
+times_s = [0, 1, 4, 7, 10, 13, 16, 19, 22, 25, 28, 31, 34, 37, 40]
+speeds_m_s = [0, 0.3, 0.2, 0.35, 0.2, 0.4, 0.2, 0.35, 0.2, 0.4, 0.25, 0.4, 0.2, 0.4, 0.3]
+yaw_rates_rad_s = [0, 0, 0.4, -0.3, 0.5, 0.2, -0.5, 0.4, 0.3, -0.4, 0.5, 0.2, 0.3, -0.2, 0]
+";
+const LOAD: &str =
+    "changes=[{at_s=20, robot='r1', effect='payload', mass_kg=0.4, x_m=0.0, y_m=0.0}]";
+
+/// A load that is put on while a robot drives by torques is named with its mass.
+#[test]
+fn a_load_on_a_robot_that_is_told_torques_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("loaded.toml"), LOADED).unwrap();
+    let run = [
+        "run",
+        "loaded.toml",
+        "--robots",
+        "1",
+        "--in-process",
+        "--out",
+    ];
+    let before = [&run[..], &["before.mcap", "--seed", "7"]].concat();
+    assert!(slipstream(folder.path(), &before).status.success());
+    let after = [&run[..], &["after.mcap", "--seed", "8", "--set", LOAD]].concat();
+    assert!(slipstream(folder.path(), &after).status.success());
+    let watch = [
+        "watch",
+        "after.mcap",
+        "--against",
+        "before.mcap",
+        "--json",
+        "-",
+    ];
+    let (stdout, stderr) = texts(&slipstream(folder.path(), &watch));
+    let all = lines(&stdout);
+    let first = all
+        .first()
+        .unwrap_or_else(|| panic!("nothing is said: {stderr}"));
+    let number = |own: &serde_json::Value| own.as_f64().unwrap();
+    assert!((number(&first["onset_s"]) - 20.0).abs() <= 3.0, "{stdout}");
+    assert!(number(&first["t_s"]) <= 23.0, "{stdout}");
+    let mut confirmed = all.iter().filter(|own| own["state"] == "confirmed");
+    let load = confirmed.find(|own| own["finding"]["effect"] == "payload");
+    let load = load.unwrap_or_else(|| panic!("no load is confirmed: {stdout}"));
+    let parameters = load["finding"]["parameters"].as_array().unwrap();
+    let mass = parameters
+        .iter()
+        .find(|own| own["name"] == "mass_kg")
+        .unwrap();
+    let mass_kg = number(&mass["estimate"]);
+    assert!((mass_kg - 0.4).abs() < 0.1, "{mass_kg} kg");
+}

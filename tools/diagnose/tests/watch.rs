@@ -76,14 +76,18 @@ fn nothing_is_raised_while_nothing_changes() {
     assert!(found.is_empty(), "{found:?}");
 }
 
-/// What is raised in so many seconds, of a robot with another course than that of the baseline.
-fn nothing(seed: u64, span_s: f64) -> Vec<(f64, String)> {
+/// What is raised in so many seconds, of a robot with another course than that of the baseline: when, since when, what, and
+/// by which gain (nats).
+fn nothing(seed: u64, span_s: f64) -> Vec<(f64, f64, String, f64)> {
     let mut watch = watch(seed);
     let mut course = Course::new(seed + 1000);
     let found = raised(&mut watch, &mut course, span_s);
     found
         .into_iter()
-        .map(|own| (own.t_s, own.finding.effect))
+        .map(|own| {
+            let gain = own.finding.evidence.log_likelihood_gain;
+            (own.t_s, own.onset_s, own.finding.effect, gain)
+        })
         .collect()
 }
 
@@ -92,7 +96,7 @@ fn nothing(seed: u64, span_s: f64) -> Vec<(f64, String)> {
 #[ignore = "a minute of computing"]
 fn nothing_is_raised_in_ten_hours() {
     let hours = (1..=5).map(|seed| nothing(seed, 7200.0));
-    let found: Vec<Vec<(f64, String)>> = hours.collect();
+    let found: Vec<Vec<_>> = hours.collect();
     let counts: Vec<usize> = found.iter().map(Vec::len).collect();
     println!("false alarms in 10 h, two hours of each baseline: {counts:?}");
     let few = found.iter().flatten().take(10).collect::<Vec<_>>();

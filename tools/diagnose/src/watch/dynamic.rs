@@ -373,3 +373,95 @@ fn gone_on(
     flow.advance(&mut point, true_s);
     (flow.coordinates(&point), flow.measured(&point, row))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::feed::Habits;
+    use crate::explain::dynamic::baseline::Baseline;
+    use crate::model::plant::machine::Machine;
+    use crate::predict::fixture;
+    use crate::watch::changes;
+    use crate::watch::hypotheses::Hypotheses;
+
+    const NOISE: Noise = Noise {
+        size: [0.01, 1e-3, 1e-3, 1e-3, 1e-3],
+        time_s: [0.3; 3],
+        of_wheels: false,
+        jitter_s: 0.0,
+        beyond: [0.0; 3],
+    };
+
+    fn prepared() -> (Forces, Hypotheses) {
+        let track = fixture::driven(&RobotModel::default(), 8.0, fixture::gentle);
+        let machine = Machine::new(vec![track], RobotModel::default(), &[]);
+        changes::of(Baseline {
+            machine,
+            noise: NOISE,
+        })
+        .unwrap()
+    }
+
+    /// The parameters of which a recording of `truth` says most, each by itself, and how much of it there is.
+    fn told(own: (Forces, Hypotheses), truth: &RobotModel, shift: &[f64]) -> (Hypotheses, Bank) {
+        let (forces, hypotheses) = own;
+        let (mut filter, source) = Dynamic::new(forces, 0, 0);
+        assert!(filter.move_to(shift));
+        let mut bank = Bank::new(hypotheses.wide.len(), vec![source]);
+        bank.open(0.0);
+        let track = fixture::driven(truth, 8.0, fixture::gentle);
+        let mut feed = Feed::new(Habits::default());
+        feed.now_s = 8.0;
+        feed.told.clone_from(&track.commands);
+        let wheels = &track.of(track::Sensor::WheelAngle).unwrap().rows;
+        feed.rows = wheels
+            .iter()
+            .map(|(t_s, [right, left, _])| (*t_s, [*right, *left]))
+            .collect();
+        filter.hear(&mut feed, &mut bank);
+        (hypotheses, bank)
+    }
+
+    /// The number of an effect alone that fits best (in its unit), and its gain (nats).
+    fn best(hypotheses: &Hypotheses, bank: &Bank, effect: &str) -> [f64; 2] {
+        let sum = &bank.onsets[0].sum;
+        let mut all = hypotheses.all.iter();
+        let own = all.find(|own| own.effect == effect).unwrap();
+        let w = own.directions.column(0);
+        let (score, information) = (w.dot(&sum.score), w.dot(&(&sum.information * w)));
+        let size = score / information * own.values[0].weights[0];
+        [size, score * score / information / 2.0]
+    }
+
+    #[test]
+    fn a_load_is_seen_as_large_as_it_is() {
+        let load = [("mass_kg", 0.05), ("x_m", 0.0), ("y_m", 0.0)];
+        let truth = RobotModel::default().with("payload", &load);
+        let (hypotheses, bank) = told(prepared(), &truth, &[]);
+        let [mass_kg, gain] = best(&hypotheses, &bank, "payload");
+        // a twentieth of the mass: to first order, and as far as Huber's weights leave it
+        assert!((mass_kg - 0.05).abs() < 0.005, "{mass_kg} kg");
+        assert!(gain > 10.0, "{gain}");
+        let drag = best(&hypotheses, &bank, "viscous_drag");
+        assert!(drag[1] < gain, "{drag:?} beside {gain}");
+    }
+
+    #[test]
+    fn a_load_that_is_known_is_no_change() {
+        let load = [("mass_kg", 0.05), ("x_m", 0.0), ("y_m", 0.0)];
+        let truth = RobotModel::default().with("payload", &load);
+        let own = prepared();
+        let mut all = own.1.all.iter();
+        let payload = all.find(|own| own.effect == "payload").unwrap();
+        let numbers = 0.05 / payload.values[0].weights[0];
+        let shift: Vec<f64> = payload
+            .directions
+            .column(0)
+            .iter()
+            .map(|own| own * numbers)
+            .collect();
+        let (hypotheses, bank) = told(own, &truth, &shift);
+        let [mass_kg, gain] = best(&hypotheses, &bank, "payload");
+        assert!(mass_kg.abs() < 1e-3 && gain < 1.0, "{mass_kg} kg, {gain}");
+    }
+}
