@@ -661,7 +661,7 @@ fn a_load_on_a_robot_that_is_told_torques_is_named() {
     let first = all
         .first()
         .unwrap_or_else(|| panic!("nothing is said: {stderr}"));
-    let number = |own: &serde_json::Value| own.as_f64().unwrap();
+    let number = |own: &Value| own.as_f64().unwrap();
     assert!((number(&first["onset_s"]) - 20.0).abs() <= 3.0, "{stdout}");
     assert!(number(&first["t_s"]) <= 23.0, "{stdout}");
     let mut confirmed = all.iter().filter(|own| own["state"] == "confirmed");

@@ -320,18 +320,6 @@ pub(crate) fn noise<S: Scalar>(logs: &[S]) -> Noise<S> {
     }
 }
 
-impl Noise<f64> {
-    /// The same noise, but in each metre the way is off by `way_m` (m) and the heading by `turn_rad` (rad) at least.
-    pub(crate) fn at_least(self, way_m: f64, turn_rad: f64) -> Self {
-        Self {
-            along_per_m: self.along_per_m.max(way_m * way_m),
-            across_per_m: self.across_per_m.max(way_m * way_m),
-            yaw_per_m: self.yaw_per_m.max(turn_rad * turn_rad),
-            ..self
-        }
-    }
-}
-
 impl<S: Scalar> State<S> {
     /// One arc of length `way` and angle `turn`, with variances along, across and of the heading.
     fn advance(&mut self, arc: Arc<S>, [along, across, heading]: [S; 3]) {

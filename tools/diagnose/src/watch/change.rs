@@ -45,6 +45,7 @@ pub(super) fn as_finding(
     };
     claim.confused.extend(&found.alike);
     slipped(&mut claim);
+    spun(&mut claim);
     mirrored(&mut claim, own.mirror, model);
     claim.confused.sort_unstable();
     claim.confused.dedup();
@@ -83,6 +84,17 @@ fn slipped(claim: &mut Claim) {
     claim.effect = "slip_ratio";
     claim.values = vec![ratio];
     claim.confused.push("wheel_radius");
+}
+
+/// A motor that is so much stronger than it was (logarithm of its gain) rather turns a wheel without a grip.
+const STRONGER: f64 = 0.2;
+
+/// Wheels that turn far more easily than before may spin.
+fn spun(claim: &mut Claim) {
+    let mut all = claim.values.iter();
+    if claim.effect == "motor_gain" && all.any(|own| own.change > STRONGER) {
+        claim.confused.push("friction_patch");
+    }
 }
 
 /// A stream that is stamped before it was measured is the less likely of two.

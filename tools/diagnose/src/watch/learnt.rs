@@ -27,11 +27,6 @@ const LATENCY_S: f64 = 2e-3;
 const DRIVE_S: f64 = 0.05;
 const SPEED_SHARE: f64 = 1e-3;
 
-/// What a floor adds to way and heading at least, in each metre (m, rad): a filter that is sure of its floor does not follow
-/// what changes.
-const LEAST_M: f64 = 1e-3;
-const LEAST_RAD: f64 = 2e-3;
-
 /// A number that filters read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Parameter {
@@ -289,7 +284,6 @@ fn poses(baseline: &Baseline, local: &[f64], locals: &[Vec<f64>], steps: &[f64])
     let reads = |own: &[f64]| (pose_parameters(own), drive_parameters(own).to_vec());
     let own = Moved::new(local, locals, steps, reads);
     let noise = wheels_to_pose::noise(&pose_parameters(local)[wheels_to_pose::PHYSICS..]);
-    let noise = noise.at_least(LEAST_M, LEAST_RAD);
     Some(Poses {
         interleaved: Interleaved::of(run.pose.as_ref()?),
         interval_s: run.pose_interval_s(),
