@@ -1,8 +1,7 @@
 //! What begins at a time in a run: an effect of a robot, another delay of a link.
 
-use serde::{Deserialize, Serialize};
-
-use super::parameters::{ParameterValue, Parameters};
+use super::change_table::ChangeTable;
+use super::parameters::ParameterValue;
 use super::settings::Settings;
 use super::topology::Topology;
 use crate::error::InputError;
@@ -10,11 +9,6 @@ use crate::message::{RobotIndex, robot_name};
 use crate::range::{self, invalid, within};
 use crate::robot::{EffectSpec, Parameter};
 use crate::time::ns_from_s;
-
-/// A table `[[changes]]`: `at_s` with `robot`, `effect` and its parameters, or with `link` and `delay_s`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(transparent)]
-pub struct ChangeTable(Parameters);
 
 /// What begins at a time.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,12 +74,6 @@ impl Settings {
     }
 }
 
-impl From<Parameters> for ChangeTable {
-    fn from(table: Parameters) -> Self {
-        Self(table)
-    }
-}
-
 impl ChangeTable {
     fn read(&self, settings: &Settings, topology: &Topology) -> Result<Change, InputError> {
         let at_s = self.number("at_s", "give the time in s at which it begins")?;
@@ -93,7 +81,10 @@ impl ChangeTable {
             let remedy = format!("give a time before the end, {} s", settings.duration_s);
             return invalid("at_s", format!("is {at_s}"), remedy);
         }
-        let what = match (self.0.contains_key("robot"), self.0.contains_key("link")) {
+        let what = match (
+            self.entries().contains_key("robot"),
+            self.entries().contains_key("link"),
+        ) {
             (true, false) => self.effect(settings)?,
             (false, true) => self.delay(settings, topology)?,
             _ => {
@@ -108,7 +99,7 @@ impl ChangeTable {
     fn effect(&self, settings: &Settings) -> Result<Begins, InputError> {
         let robot = index(settings, "robot", self.text("robot", "give r1 or another")?)?;
         let effect = self.text("effect", "give one; `slipstream effects` lists all")?;
-        let others = self.0.iter();
+        let others = self.entries().iter();
         let others = others.filter(|(key, _)| !["at_s", "robot", "effect"].contains(&key.as_str()));
         let parameters = others.map(|(key, value)| match value {
             ParameterValue::Number(number) => Ok((key.clone(), Parameter::Number(*number))),
@@ -130,7 +121,11 @@ impl ChangeTable {
 
     fn delay(&self, settings: &Settings, topology: &Topology) -> Result<Begins, InputError> {
         let known = ["at_s", "link", "delay_s"];
-        if let Some(key) = self.0.keys().find(|own| !known.contains(&own.as_str())) {
+        if let Some(key) = self
+            .entries()
+            .keys()
+            .find(|own| !known.contains(&own.as_str()))
+        {
             return invalid(key, "is not a key of a link", "give link and delay_s");
         }
         let form = "give sender and receiver, such as \"r1 to r2\"";
@@ -147,23 +142,6 @@ impl ChangeTable {
         let delay_s = self.number("delay_s", "give the delay from then on, in s")?;
         within("delay_s", delay_s, range::DELAY_S)?;
         Ok(Begins::Delay([from, to], ns_from_s(delay_s)))
-    }
-
-    fn number(&self, key: &str, remedy: &str) -> Result<f64, InputError> {
-        match self.0.get(key) {
-            Some(ParameterValue::Number(number)) => Ok(*number),
-            Some(ParameterValue::Integer(whole)) => Ok(*whole as f64),
-            Some(_) => invalid(key, "is no number", remedy),
-            None => invalid(key, "is missing", remedy),
-        }
-    }
-
-    fn text(&self, key: &str, remedy: &str) -> Result<&str, InputError> {
-        match self.0.get(key) {
-            Some(ParameterValue::Text(text)) => Ok(text),
-            Some(_) => invalid(key, "is no text", remedy),
-            None => invalid(key, "is missing", remedy),
-        }
     }
 }
 
@@ -186,14 +164,15 @@ fn index(settings: &Settings, key: &str, name: &str) -> Result<RobotIndex, Input
 
 #[cfg(test)]
 mod tests {
+    use super::super::parameters::Parameters;
     use super::*;
 
     fn settings(tables: &[&[(&str, ParameterValue)]]) -> Settings {
         let table = |own: &&[(&str, ParameterValue)]| {
             let own = own.iter();
-            ChangeTable(
+            ChangeTable::from(
                 own.map(|(key, value)| ((*key).to_owned(), value.clone()))
-                    .collect(),
+                    .collect::<Parameters>(),
             )
         };
         Settings {

@@ -1,6 +1,7 @@
 //! Experiments as plain data: settings, built-in experiments, validation.
 
 mod builtin;
+mod change_table;
 mod changes;
 mod hears;
 mod parameters;
@@ -10,7 +11,8 @@ mod setup;
 mod topology;
 mod validate;
 
-pub use changes::{Begins, Change, ChangeTable};
+pub use change_table::ChangeTable;
+pub use changes::{Begins, Change};
 pub use hears::Hears;
 pub use parameters::{EVERY_ROBOT, ParameterValue, Parameters, program_of};
 pub use profile::Profile;

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::changes::ChangeTable;
+use super::change_table::ChangeTable;
 use super::hears::Hears;
 use super::parameters::{EVERY_ROBOT, Parameters, program_of};
 use super::profile::Profile;
