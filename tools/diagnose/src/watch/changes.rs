@@ -2,16 +2,16 @@
 //! What its wheels, its lengths and its sensors do is told by the filters of the wheels.
 
 use nalgebra::DMatrix;
-use slipstream_bus::EffectSpec;
+use slipstream_bus::{EffectSpec, RobotModel};
 use slipstream_sim::Robot;
 use slipstream_sim::effects::{ModelSite, Role, When, find};
 
-use super::dynamic::{Forces, SENSORS};
 use super::hypotheses::{CHANGE, Hypotheses, Hypothesis, Shown, UNKNOWN, wheels};
 use super::learnt::Moved;
+use crate::data::track;
 use crate::estimate::term::{Link, Term};
 use crate::explain::dynamic::baseline::Baseline;
-use crate::filter::dynamic::Noise;
+use crate::filter::dynamic::{Noise, Sensor};
 use crate::model::hypothesis::{self, changes_commands_over_time, is_bound_to_place, sizes_of};
 use crate::model::plant::machine::Machine;
 use crate::model::plant::table::Table;
@@ -44,6 +44,23 @@ impl Number {
         };
         own.map(|own| own * own)
     }
+}
+
+/// What is heard, here and in a recording.
+pub(super) const SENSORS: [(Sensor, track::Sensor); 2] = [
+    (Sensor::WheelAngle, track::Sensor::WheelAngle),
+    (Sensor::WheelSpeed, track::Sensor::WheelSpeed),
+];
+
+/// What the baseline was fitted as.
+pub(crate) struct Forces {
+    /// The model with everything that the baseline showed.
+    pub(crate) model: RobotModel,
+    pub(crate) noise: Noise,
+    pub(crate) plants: Plants,
+    pub(crate) robots: Moved<Robot>,
+    /// Variances of the readings of each of [`SENSORS`], of those that the baseline has.
+    pub(crate) variance: [Option<[f64; 3]>; 2],
 }
 
 /// Plants of a machine by what changed of it.

@@ -1,17 +1,15 @@
 //! How the wheels of a robot answer the torques or voltages that it is told: the filter over the plant, row by row. Poses and
 //! gyro are left to the filters of the wheels: what a wheel does on its way is no force.
 
-use slipstream_bus::{EffectSpec, RobotModel};
+use slipstream_bus::EffectSpec;
 use slipstream_sim::Robot;
 
 use super::bank::{Bank, Source};
-use super::changes::Plants;
+use super::changes::{Forces, SENSORS};
 use super::kinematic::counts;
-use super::learnt::Moved;
 use super::linear::Linear;
 use crate::data::feed::Feed;
 use crate::data::streams::WheelKind;
-use crate::data::track;
 use crate::filter::dynamic::flow::{Flow, Point};
 use crate::filter::dynamic::gains::{Heard, NOT_MEASURED, On};
 use crate::filter::dynamic::{DISTURBANCES, DISTURBED, N, Noise, Row, Run, SLIP, Sensor, Vector};
@@ -26,23 +24,6 @@ const WAITS_S: f64 = 1.0;
 const BEGINS_S: f64 = 0.3;
 /// Slowest wheel of which parameters tell (rad/s).
 const ROLLS_RAD_S: f64 = 0.5;
-/// What is heard, here and in a recording.
-pub(super) const SENSORS: [(Sensor, track::Sensor); 2] = [
-    (Sensor::WheelAngle, track::Sensor::WheelAngle),
-    (Sensor::WheelSpeed, track::Sensor::WheelSpeed),
-];
-
-/// What the baseline was fitted as.
-pub(crate) struct Forces {
-    /// The model with everything that the baseline showed.
-    pub(crate) model: RobotModel,
-    pub(crate) noise: Noise,
-    pub(crate) plants: Plants,
-    pub(crate) robots: Moved<Robot>,
-    /// Variances of the readings of each of [`SENSORS`], of those that the baseline has.
-    pub(crate) variance: [Option<[f64; 3]>; 2],
-}
-
 /// The filter on its way.
 pub(crate) struct Dynamic {
     forces: Forces,
@@ -376,8 +357,11 @@ fn gone_on(
 
 #[cfg(test)]
 mod tests {
+    use slipstream_bus::RobotModel;
+
     use super::*;
     use crate::data::feed::Habits;
+    use crate::data::track;
     use crate::explain::dynamic::baseline::Baseline;
     use crate::model::plant::machine::Machine;
     use crate::predict::fixture;
