@@ -96,7 +96,7 @@ pub(super) fn commands(robot: &Robot) -> Vec<(f64, Command)> {
 }
 
 /// Poses: x and y (m), and yaw (rad); NaN what was not seen. `None` without poses.
-pub(super) fn poses(robot: &Robot) -> Option<Rows<3>> {
+pub(crate) fn poses(robot: &Robot) -> Option<Rows<3>> {
     let stream = robot.pose.as_ref()?;
     let values = &stream.values;
     let rows = stream.t_s.iter().enumerate().map(|(i, t_s)| {

@@ -13,6 +13,7 @@ use crate::estimate::term::{Link, Term};
 use crate::explain::dynamic::baseline::Baseline;
 use crate::filter::dynamic::{Noise, Sensor};
 use crate::model::hypothesis::{self, changes_commands_over_time, is_bound_to_place, sizes_of};
+use crate::model::plant::filtered::robot;
 use crate::model::plant::machine::Machine;
 use crate::model::plant::table::Table;
 
@@ -54,8 +55,6 @@ pub(super) const SENSORS: [(Sensor, track::Sensor); 2] = [
 
 /// What the baseline was fitted as.
 pub(crate) struct Forces {
-    /// The model with everything that the baseline showed.
-    pub(crate) model: RobotModel,
     pub(crate) noise: Noise,
     pub(crate) plants: Plants,
     pub(crate) robots: Moved<Robot>,
@@ -72,23 +71,30 @@ pub(super) struct Plants {
 }
 
 impl Plants {
-    /// The same with another effect, in place of its own.
-    pub(super) fn beside(&mut self, spec: EffectSpec) {
-        let all = &mut self.machine.model.effects;
-        match all.iter_mut().find(|own| own.effect == spec.effect) {
-            Some(own) => *own = spec,
-            None => all.push(spec),
-        }
+    /// The model with everything that the baseline showed.
+    pub(super) fn model(&self) -> &RobotModel {
+        &self.machine.model
     }
 
-    /// The plant whose parameters are off those of the baseline by `shift`, and each with one number a little larger; `None`
-    /// where no robot has them.
-    pub(super) fn at(&self, shift: &[f64]) -> Option<Moved<Robot>> {
+    /// The plant whose parameters are off those of the baseline by `shift`, and each with one number a little larger, with
+    /// effects besides that are none of these; `None` where no robot has them.
+    pub(super) fn at(&self, shift: &[f64], besides: &[EffectSpec]) -> Option<Moved<Robot>> {
+        let mut model = self.machine.model.clone();
+        for spec in besides {
+            match model
+                .effects
+                .iter_mut()
+                .find(|own| own.effect == spec.effect)
+            {
+                Some(own) => own.clone_from(spec),
+                None => model.effects.push(spec.clone()),
+            }
+        }
         let mut at = self.table.start.clone();
         for (index, own) in self.indices.iter().zip(shift) {
             at[*index] += own;
         }
-        let robot = |at: &[f64]| self.machine.robot(&self.table.hypotheses(at));
+        let robot = |at: &[f64]| robot(&model, &self.table.hypotheses(at));
         let after = self.indices.iter().map(|index| {
             let mut at = at.clone();
             at[*index] += STEP;
@@ -232,9 +238,8 @@ fn forces(plants: Plants, noise: &Noise) -> Option<Forces> {
     let track = machine.tracks.first()?;
     let variance = SENSORS.map(|(_, own)| track.of(own).map(|own| own.deviation.map(|d| d * d)));
     Some(Forces {
-        model: machine.model.clone(),
         noise: machine.humbled(noise),
-        robots: plants.at(&[])?,
+        robots: plants.at(&[], &[])?,
         variance,
         plants,
     })

@@ -71,20 +71,15 @@ impl Dynamic {
         self.repeated = [(f64::NAN, 0.0); 2];
     }
 
-    /// From now on the robot has parameters that are off those of the baseline by `shift`. Returns whether there is such a
-    /// robot.
-    pub(crate) fn move_to(&mut self, shift: &[f64]) -> bool {
-        let Some(robots) = self.forces.plants.at(shift) else {
+    /// From now on the robot has parameters that are off those of the baseline by `shift`, and effects besides that are
+    /// none of its forces. Returns whether there is such a robot.
+    pub(crate) fn move_to(&mut self, shift: &[f64], besides: &[EffectSpec]) -> bool {
+        let Some(robots) = self.forces.plants.at(shift, besides) else {
             return false;
         };
         self.forces.robots = robots;
         self.on = None;
         true
-    }
-
-    /// From now on the robot has an effect, too, that is none of its forces.
-    pub(crate) fn beside(&mut self, spec: EffectSpec) {
-        self.forces.plants.beside(spec);
     }
 
     /// Hears the rows of a feed that no other stream can precede any more.
@@ -178,7 +173,7 @@ impl Dynamic {
             return false;
         }
         let rows: Vec<Row> = self.waiting[..due].iter().map(|own| own.1).collect();
-        let start = Start::of(&rows, 0.0, &self.forces.model);
+        let start = Start::of(&rows, 0.0, self.forces.plants.model());
         self.run.begin_s = begin_s;
         self.run.start = start.at;
         self.run.start_deviation = of(&self.forces.noise, start.deviation);
@@ -390,7 +385,7 @@ mod tests {
     fn told(own: (Forces, Hypotheses), truth: &RobotModel, shift: &[f64]) -> (Hypotheses, Bank) {
         let (forces, hypotheses) = own;
         let (mut filter, source) = Dynamic::new(forces, 0, 0);
-        assert!(filter.move_to(shift));
+        assert!(filter.move_to(shift, &[]));
         let mut bank = Bank::new(hypotheses.wide.len(), vec![source]);
         bank.open(0.0);
         let track = fixture::driven(truth, 8.0, fixture::gentle);

@@ -51,20 +51,14 @@ impl Filters {
         }
     }
 
-    /// From now on the robot has parameters that are off those of the baseline by `shift`. Returns whether filters can follow.
-    pub(super) fn move_to(&mut self, shift: &[f64]) -> bool {
+    /// From now on the robot has parameters that are off those of the baseline by `shift`; `besides` are what wheels have of
+    /// that as effects, so that forces know of it, too. Returns whether filters can follow.
+    pub(super) fn move_to(&mut self, shift: &[f64], besides: &[EffectSpec]) -> bool {
         let (of_wheels, of_forces) = shift.split_at(self.of_wheels.min(shift.len()));
         let wheels = self.wheels.as_mut();
         let forces = self.forces.as_mut();
         wheels.is_none_or(|own| own.move_to(of_wheels))
-            && forces.is_none_or(|own| own.move_to(of_forces))
-    }
-
-    /// From now on the robot has an effect that filters of the wheels read; so that forces know of it, too.
-    pub(super) fn beside(&mut self, spec: EffectSpec) {
-        if let Some(own) = &mut self.forces {
-            own.beside(spec);
-        }
+            && forces.is_none_or(|own| own.move_to(of_forces, besides))
     }
 
     /// Whether a parameter is one of the wheels.

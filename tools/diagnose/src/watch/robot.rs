@@ -53,6 +53,8 @@ pub(super) struct Watched {
     bias: Option<usize>,
     /// How far parameters are from those of the baseline by what was confirmed.
     shift: Vec<f64>,
+    /// What of that the wheels have, as effects.
+    besides: Vec<EffectSpec>,
     next_s: f64,
     /// What a factor has to reach (nats).
     least: f64,
@@ -98,6 +100,7 @@ impl Watched {
             habits,
             bias,
             shift,
+            besides: Vec::new(),
             next_s: 0.0,
             least: f64::INFINITY,
         };
@@ -111,7 +114,8 @@ impl Watched {
         self.feed = Feed::new(self.habits);
         if self.shift.iter().any(|own| *own != 0.0) {
             self.shift.fill(0.0);
-            self.filters.move_to(&self.shift);
+            self.besides.clear();
+            self.filters.move_to(&self.shift, &self.besides);
         }
         self.filters.restart();
         self.bank.clear();
@@ -233,14 +237,16 @@ impl Watched {
                 of_wheels |= self.filters.is_of_wheels(place);
             }
         }
+        let mut besides = self.besides.clone();
         if of_wheels {
-            self.filters.beside(spec(finding));
+            besides.retain(|own| own.effect != finding.effect);
+            besides.push(spec(finding));
         }
-        if !self.filters.move_to(&shift) {
-            self.filters.move_to(&self.shift);
+        if !self.filters.move_to(&shift, &besides) {
+            self.filters.move_to(&self.shift, &self.besides);
             return false;
         }
-        self.shift = shift;
+        (self.shift, self.besides) = (shift, besides);
         true
     }
 
@@ -374,7 +380,9 @@ pub struct Smallest {
 }
 
 /// Looks within ten hours.
-pub(super) const FALSE_ALARM_LOOKS: f64 = 10.0 * 3600.0 / ONSET_STEP_S;
+pub(super) const FALSE_ALARM_LOOKS: f64 = FALSE_ALARM_S / ONSET_STEP_S;
+/// One false alarm is let pass in so long (s).
+pub(super) const FALSE_ALARM_S: f64 = 10.0 * 3600.0;
 
 /// Known to this share of the variances among recordings, besides.
 fn between(known: &Known, repeats: &[f64], share: f64) -> Known {

@@ -147,7 +147,7 @@ impl Watch {
             piece
                 .robots
                 .iter()
-                .filter_map(last_s)
+                .filter_map(Robot::last_s)
                 .all(|t_s| t_s < until_s)
         };
         while self.kept.len() > MOST_KEPT || self.kept.front().is_some_and(old) {
@@ -221,7 +221,7 @@ impl Watch {
     }
 }
 
-/// Attended without a baseline that are named at most, and pieces that are kept.
+/// Robots without a baseline that are named at most, and pieces that are kept.
 const MOST_UNKNOWN: usize = 16;
 const MOST_KEPT: usize = 4096;
 
@@ -229,7 +229,7 @@ fn not_in_baseline(robot: &Robot, recording: &str) -> Event {
     let statement = "is not in the baseline: it is not watched".to_owned();
     let remedy = "give a recording of it with --against".to_owned();
     Event::Fault(
-        last_s(robot).unwrap_or(0.0),
+        robot.last_s().unwrap_or(0.0),
         Warning {
             recording: recording.to_owned(),
             robot: Some(robot.name.clone()),
@@ -238,12 +238,6 @@ fn not_in_baseline(robot: &Robot, recording: &str) -> Event {
             remedy,
         },
     )
-}
-
-/// The last stamp of a robot's rows (s).
-fn last_s(robot: &Robot) -> Option<f64> {
-    let lasts = robot.stamps().filter_map(|own| own.last().copied());
-    lasts.reduce(f64::max)
 }
 
 /// A machine as its runs say.

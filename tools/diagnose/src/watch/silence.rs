@@ -8,6 +8,11 @@ use crate::data::wheel_path::median_interval;
 const INTERVALS: f64 = 20.0;
 const LEAST_S: f64 = 1.5;
 
+/// How long (s) what usually comes so often (s), and was away for so long at most (s), may be silent.
+pub(super) fn most_s(usual_s: f64, longest_s: f64) -> f64 {
+    (INTERVALS * usual_s).max(1.5 * longest_s).max(LEAST_S)
+}
+
 /// Identity, statement and remedy.
 pub(super) type Words = (&'static str, String, &'static str);
 
@@ -47,7 +52,7 @@ impl Silence {
             Some(Stream {
                 name,
                 times_s,
-                most_s: (INTERVALS * usual_s).max(1.5 * longest_s).max(LEAST_S),
+                most_s: most_s(usual_s, longest_s),
                 last_s: None,
                 is_silent: false,
             })

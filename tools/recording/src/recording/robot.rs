@@ -91,6 +91,12 @@ impl Robot {
         all.into_iter().flatten().map(Vec::as_slice)
     }
 
+    /// The last stamp of any of these (s).
+    pub fn last_s(&self) -> Option<f64> {
+        let lasts = self.stamps().filter_map(|own| own.last().copied());
+        lasts.reduce(f64::max)
+    }
+
     /// Encoder counts per turn of a wheel: those of the recording, else those of the model.
     pub fn counts_per_rev(&self, model: Option<&RobotModel>) -> Option<f64> {
         self.encoder_counts_per_rev

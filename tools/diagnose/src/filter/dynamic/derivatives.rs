@@ -33,13 +33,12 @@ pub(crate) struct Derivatives {
 
 /// Derivatives by differences that hold for some rows: a robot whose wheels roll on answers a force alike from row to
 /// row, but for its heading. Gains need no more.
-#[derive(Clone, Default)]
+#[derive(Default)]
 pub(super) struct Lately {
     all: Vec<Lasting>,
 }
 
 /// Derivatives by differences of one kind of row.
-#[derive(Clone)]
 struct Lasting {
     sensor: Sensor,
     over_s: f64,

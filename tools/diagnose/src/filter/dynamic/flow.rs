@@ -22,9 +22,7 @@ impl Point {
         let mut speeds = self.state.velocity().into_iter();
         !speeds.all(|speed| speed.abs() < LOST)
     }
-}
 
-impl Point {
     /// The commands that lie behind it, of which it lets go.
     pub(crate) fn passed(&mut self) -> usize {
         std::mem::take(&mut self.command)
@@ -46,8 +44,25 @@ pub(crate) struct Flow<'a> {
 impl Flow<'_> {
     /// Where the run begins.
     pub(crate) fn start(&self) -> Point {
-        let at = &self.run.start;
-        let mut state = self.robot.start([at[0], at[1], at[2]]);
+        Point {
+            state: self.state_at(&self.run.start),
+            disturbance: [0.0; 5],
+            t_s: self.run.begin_s,
+            command: 0,
+        }
+    }
+
+    /// Where a robot that rolls alike would be, were it this one.
+    pub(crate) fn rolling_as(&self, point: &Point, coordinates: &Vector) -> Point {
+        Point {
+            state: self.state_at(coordinates),
+            ..point.clone()
+        }
+    }
+
+    /// A robot that rolls at these coordinates.
+    fn state_at(&self, at: &Vector) -> State {
+        let mut state = self.robot.start([at[POSE], at[POSE + 1], at[POSE + 2]]);
         if at[ROLLING] != 0.0 || at[ROLLING + 1] != 0.0 {
             self.robot
                 .set_rolling(&mut state, at[ROLLING], at[ROLLING + 1]);
@@ -59,34 +74,7 @@ impl Flow<'_> {
                 ..Correction::default()
             },
         );
-        Point {
-            state,
-            disturbance: [0.0; 5],
-            t_s: self.run.begin_s,
-            command: 0,
-        }
-    }
-
-    /// Where a robot that rolls alike would be, were it this one.
-    pub(crate) fn rolling_as(&self, point: &Point, coordinates: &Vector) -> Point {
-        let mut state = self.robot.start([
-            coordinates[POSE],
-            coordinates[POSE + 1],
-            coordinates[POSE + 2],
-        ]);
-        let [surge, turn] = [coordinates[ROLLING], coordinates[ROLLING + 1]];
-        self.robot.set_rolling(&mut state, surge, turn);
-        self.robot.correct(
-            &mut state,
-            &Correction {
-                angle_rad: [coordinates[ANGLE], coordinates[ANGLE + 1]],
-                ..Correction::default()
-            },
-        );
-        Point {
-            state,
-            ..point.clone()
-        }
+        state
     }
 
     /// Advances `point` to `to_s` (s).

@@ -90,7 +90,6 @@ impl Pass {
 }
 
 /// The filter on its way through a run, with the first M entries of the state unknown.
-#[derive(Clone)]
 pub(crate) struct On<const M: usize> {
     pub(crate) point: Point,
     covariance: Covariance<M>,

@@ -69,7 +69,6 @@ const MOVED_ROLLING: usize = 7;
 const MOVING_ROLLING: usize = 8;
 
 /// Covariance of the first M entries of the state; the others are known.
-#[derive(Clone)]
 pub(crate) struct Covariance<const M: usize> {
     pub(crate) p: [[f64; M]; M],
 }

@@ -70,6 +70,12 @@ pub(crate) fn least_change(info: &Info, name: &str) -> f64 {
     if least.is_finite() { least } else { 1.0 }
 }
 
+/// The robot of a model with `hypotheses`, for simulations by the thousand; `None` where there is none.
+pub(crate) fn robot(model: &RobotModel, hypotheses: &[Hypothesis]) -> Option<Robot> {
+    let robot = Robot::new(&with(model, hypotheses)).ok()?;
+    Some(robot.draft())
+}
+
 impl Machine {
     /// Adds loads: one for each row of each pass of `fit`, in its order.
     pub(crate) fn add_loads(&mut self, fit: &Filtered, loads: &[Vec<[f64; 2]>]) {
@@ -109,8 +115,7 @@ impl Machine {
     }
 
     pub(crate) fn robot(&self, hypotheses: &[Hypothesis]) -> Option<Robot> {
-        let robot = Robot::new(&with(&self.model, hypotheses)).ok()?;
-        Some(robot.draft())
+        robot(&self.model, hypotheses)
     }
 
     /// The robot in runs of today, and in those from before.

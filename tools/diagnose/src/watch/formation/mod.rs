@@ -18,6 +18,7 @@ use super::alarm::State;
 use super::event::{Change, Event};
 use crate::answer::Warning;
 use crate::answer::statement::change;
+use crate::data::streams;
 
 /// Bins in a row outside of its range after which a spacing has left it, and inside after which it is back.
 const OUTSIDE: u32 = 3;
@@ -282,20 +283,10 @@ fn heard(recording: &Recording, ahead: &str, behind: &str) -> Vec<Bin> {
 
 /// The poses of a robot's rows.
 fn poses(robot: &Robot) -> Vec<Pose> {
-    let Some(own) = &robot.pose else {
-        return Vec::new();
-    };
-    let values = &own.values;
-    let rows = own.t_s.iter().enumerate().filter_map(|(row, t_s)| {
-        let yaw = values.yaw_rad.as_ref().and_then(|all| all.get(row));
-        let pose = [
-            *values.x_m.get(row)?,
-            *values.y_m.get(row)?,
-            yaw.copied().filter(|own| own.is_finite()).unwrap_or(0.0),
-        ];
-        (t_s.is_finite() && pose.iter().all(|own| own.is_finite())).then_some((*t_s, pose))
-    });
-    rows.collect()
+    let rows = streams::poses(robot).unwrap_or_default().into_iter();
+    let seen = rows.filter(|(t_s, [x, y, _])| [t_s, x, y].iter().all(|own| own.is_finite()));
+    seen.map(|(t_s, [x, y, yaw])| (t_s, [x, y, if yaw.is_finite() { yaw } else { 0.0 }]))
+        .collect()
 }
 
 /// Of those who are ahead of a robot the nearest is the one that it follows; from the front.

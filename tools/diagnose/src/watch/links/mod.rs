@@ -10,19 +10,18 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use slipstream_recording::Recording;
-use slipstream_recording::recording::{LinkMessage, Robot};
+use slipstream_recording::recording::LinkMessage;
 
 use self::delays::{Delays, Said};
 use self::silence::Silence;
 use self::usual::Usual;
 use super::event::{Change, Event};
+use super::robot::FALSE_ALARM_S;
 use crate::answer::{Evidence, Finding, Warning};
 use crate::explain::finding::{Named, Number};
 
 /// The effect that a change of a link is.
 const EFFECT: &str = "link_delay";
-/// False alarms are counted over so long (s).
-const FALSE_ALARM_S: f64 = 10.0 * 3600.0;
 /// Time that goes back by more (s) begins anew.
 const BREAK_S: f64 = 1.0;
 
@@ -116,7 +115,7 @@ impl Links {
         let messages = piece.links.iter().flat_map(|own| &own.messages);
         let sent = messages.map(|own| (Arc::clone(&own.from), own.t_sent_s));
         let robots = piece.robots.iter();
-        let rows = robots.filter_map(|own| Some((Arc::from(own.name.as_str()), last_s(own)?)));
+        let rows = robots.filter_map(|own| Some((Arc::from(own.name.as_str()), own.last_s()?)));
         let heard: Vec<(Arc<str>, f64)> = sent.chain(rows).collect();
         let finite = || heard.iter().filter(|(_, t_s)| t_s.is_finite());
         let last_s = finite().map(|own| own.1).fold(f64::NEG_INFINITY, f64::max);
@@ -211,12 +210,6 @@ fn arrival_s(message: &LinkMessage) -> Option<f64> {
     message
         .t_received_s
         .filter(|own| (own - message.t_sent_s).is_finite())
-}
-
-/// The last stamp of a robot's rows (s).
-fn last_s(robot: &Robot) -> Option<f64> {
-    let lasts = robot.stamps().filter_map(|own| own.last().copied());
-    lasts.reduce(f64::max)
 }
 
 /// A link as a person calls it.

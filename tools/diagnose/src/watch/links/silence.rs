@@ -1,10 +1,7 @@
 //! Links on which nothing arrives while the sender goes on.
 
-use crate::watch::silence::Words;
+use crate::watch::silence::{Words, most_s};
 
-/// A link is silent after so many of its usual intervals, and no less than this (s).
-const INTERVALS: f64 = 20.0;
-const LEAST_S: f64 = 1.5;
 /// A sender goes on that was heard within this (s).
 const GOES_ON_S: f64 = 1.0;
 
@@ -34,7 +31,7 @@ impl Silence {
             .iter()
             .filter_map(|(times_s, begin_s)| Some(times_s.first()? - begin_s));
         Self {
-            most_s: (INTERVALS * usual_s).max(1.5 * longest_s).max(LEAST_S),
+            most_s: most_s(usual_s, longest_s),
             begin_s: firsts.fold(0.0, f64::max),
             last_s: None,
             is_silent: false,
