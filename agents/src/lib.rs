@@ -24,7 +24,7 @@
 //!
 //! ```
 //! use slipstream_agents::Node;
-//! use slipstream_bus::message::{Encoders, Position};
+//! use slipstream_bus::message::{Actuation, Encoders, Position};
 //! use slipstream_bus::record::Record;
 //! use slipstream_bus::transport::{BusError, PositionLink};
 //! use slipstream_bus::{Experiment, RobotModel, Settings};
@@ -58,7 +58,8 @@
 //!     let encoders = Encoders { sampled_ns: now_ns, counts };
 //!     let due = schedule.due(now_ns);
 //!     let command = node.step(now_ns, due, &encoders, &mut NoLink, &mut records)?;
-//!     assert!(command.torque_nm.iter().all(|torque| torque.abs() <= 0.13));
+//!     let Actuation::Torque(torque_nm) = command.actuation else { unreachable!() };
+//!     assert!(torque_nm.iter().all(|torque| torque.abs() <= 0.13));
 //!     for record in records.drain(..) {
 //!         if let Record::Outer(tick) = record {
 //!             speed = tick.set_point_rad_s;

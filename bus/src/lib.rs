@@ -27,9 +27,11 @@ pub mod shard;
 pub mod time;
 pub mod trace;
 pub mod transport;
+mod twist_limits;
 
 pub use error::InputError;
 pub use experiment::{Experiment, RobotSetup, Settings};
 pub use robot::{Body, EffectSpec, Encoder, Motor, Parameter, RobotModel};
 pub use sensors::{Camera, Imu, Sensors};
 pub use shard::Shard;
+pub use twist_limits::TwistLimits;

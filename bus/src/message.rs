@@ -21,17 +21,32 @@ pub struct Encoders {
     pub counts: [i64; 2],
 }
 
-/// Wheel torques commanded by one controller, agent → plant.
+/// What a robot's drives are told.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum Actuation {
+    /// Torque at each wheel (N m).
+    Torque([f64; 2]),
+    /// Forward speed v_d (m/s) and yaw rate w_d (rad/s). The robot's own speed loops follow them.
+    Twist([f64; 2]),
+}
+
+impl Default for Actuation {
+    fn default() -> Self {
+        Self::Torque([0.0; 2])
+    }
+}
+
+/// What one controller tells the drives of its robot, agent → plant.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub struct TorqueCommand {
+pub struct DriveCommand {
     /// The robot.
     pub robot: RobotIndex,
     /// The lockstep round that this answers; 0 on the wall clock.
     pub epoch: u32,
-    /// The inner tick that computed the torques (ns).
+    /// The inner tick that computed it (ns).
     pub tick_ns: i64,
-    /// Torque at each wheel (N m).
-    pub torque_nm: [f64; 2],
+    /// Torques or a twist.
+    pub actuation: Actuation,
 }
 
 /// Largest number of numbers that a controller adds to its messages.

@@ -36,6 +36,8 @@ pub const SPEED_M_S: Range = [-1e3, 1e3];
 pub const YAW_RATE_RAD_S: Range = [-1e4, 1e4];
 /// Accelerations (m/s²): from imperceptible to a hundred times gravity.
 pub const ACCELERATION_M_S2: Range = [1e-6, 1e3];
+/// Yaw accelerations (rad/s²): as accelerations, at 10 cm from the middle.
+pub const YAW_ACCELERATION_RAD_S2: Range = [1e-5, 1e4];
 /// Friction coefficients (1): from below ice to above drag-racing tyres.
 pub const FRICTION: Range = [1e-3, 10.0];
 /// Gains that may be 0 (SI): a loop of 10 µs cannot use more.

@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::message::{Position, RobotIndex};
+use crate::message::{Actuation, Position, RobotIndex};
 
 /// One entry of the log of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -21,19 +21,39 @@ pub enum Record {
         /// Signed cumulative counts.
         counts: [i64; 2],
     },
-    /// The torque that the plant applies from `t_ns` on.
+    /// What the plant applies from `t_ns` on.
     Applied {
         /// Begin of the plant step (ns).
         t_ns: i64,
-        /// When the plant received the torque (ns): in virtual time at the begin of the step, on
+        /// When the plant received it (ns): in virtual time at the begin of the step, on
         /// the wall clock when the end of the step is due.
         taken_ns: i64,
         /// The robot.
         robot: RobotIndex,
         /// The inner tick that commanded it (ns).
         tick_ns: i64,
-        /// The torque as commanded (N m).
-        torque_nm: [f64; 2],
+        /// What was commanded.
+        actuation: Actuation,
+    },
+    /// Wheel angles as a real robot sends them.
+    WheelAngles {
+        /// When they were measured (ns).
+        t_ns: i64,
+        /// The robot.
+        robot: RobotIndex,
+        /// The angles (rad).
+        angle_rad: [f64; 2],
+    },
+    /// Odometry as a real robot sends it.
+    RobotOdometry {
+        /// When it was measured (ns).
+        t_ns: i64,
+        /// The robot.
+        robot: RobotIndex,
+        /// x (m), y (m), yaw (rad).
+        pose: [f64; 3],
+        /// v (m/s) and w (rad/s).
+        velocity: [f64; 2],
     },
     /// A pose measured by the external camera.
     Camera {
@@ -281,6 +301,8 @@ impl Record {
             Self::State(State { t_ns, .. })
             | Self::Encoders { t_ns, .. }
             | Self::Applied { t_ns, .. }
+            | Self::WheelAngles { t_ns, .. }
+            | Self::RobotOdometry { t_ns, .. }
             | Self::Camera { t_ns, .. }
             | Self::Imu { t_ns, .. }
             | Self::Outer(OuterTick { t_ns, .. })

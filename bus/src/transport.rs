@@ -3,7 +3,7 @@
 //! Implemented over shared memory (`slipstream-ipc`) and in one process (`slipstream-launch`). An
 //! agent communicates through [`PositionLink`], the plant through [`LockstepLink`].
 
-use crate::message::{Encoders, Position, TorqueCommand};
+use crate::message::{DriveCommand, Encoders, Position};
 
 /// A robot's side of its links: from the robots that it hears and to those that hear it.
 pub trait PositionLink {
@@ -36,7 +36,7 @@ pub trait LockstepLink {
         &mut self,
         now_ns: i64,
         encoders: &[Encoders],
-        commands: &mut [TorqueCommand],
+        commands: &mut [DriveCommand],
     ) -> Result<(), BusError>;
 
     /// Publishes the encoders at the end of the run without a round, so that the agents' odometry

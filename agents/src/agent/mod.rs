@@ -9,8 +9,8 @@ mod watchdog;
 
 use std::cell::Cell;
 
-use slipstream_bus::experiment::{Clock, Experiment, Settings, Topology, TorqueLimit};
-use slipstream_bus::message::{Encoders, Extra, Position, RobotIndex};
+use slipstream_bus::experiment::{Clock, Drive, Experiment, Settings, Topology, TorqueLimit};
+use slipstream_bus::message::{Actuation, Encoders, Extra, Position, RobotIndex};
 use slipstream_bus::record::{InnerTick, OuterTick};
 use slipstream_bus::time::{ns_from_s, s_from_ns};
 use slipstream_bus::{InputError, RobotSetup};
@@ -171,6 +171,7 @@ impl<C: Controller> Agent<C> {
         self.watchdog
             .check(now_ns, self.follows, last_v, control, &mut desired);
         self.max_desired_m_s = self.max_desired_m_s.max(desired.v.abs());
+        let desired = self.within_limits(desired);
         self.outer = OuterTick {
             t_ns: now_ns,
             sampled_ns: encoders.sampled_ns,
@@ -218,6 +219,16 @@ impl<C: Controller> Agent<C> {
             torque_nm: torques.torque_nm,
             friction: self.slip_limit.friction(&self.settings.control),
         })
+    }
+
+    /// What the drives are told after an inner tick: its torques, or the twist of the outer tick before; a twist of 0 if the
+    /// robot is not heard.
+    pub fn actuation(&self, tick: &InnerTick) -> Actuation {
+        match self.settings.control.drive {
+            Drive::Torque => Actuation::Torque(tick.torque_nm),
+            Drive::Twist if self.plant_lost => Actuation::Twist([0.0; 2]),
+            Drive::Twist => Actuation::Twist(self.outer.desired),
+        }
     }
 
     /// Updates the odometry without a tick of a loop.
@@ -275,6 +286,18 @@ impl<C: Controller> Agent<C> {
         self.plant_lost
     }
 
+    /// The desired twist within the limits of a robot that is told twists.
+    fn within_limits(&self, desired: DesiredTwist) -> DesiredTwist {
+        let control = &self.settings.control;
+        if control.drive == Drive::Torque {
+            return desired;
+        }
+        let wanted = [desired.v, desired.w];
+        let last = self.outer.desired;
+        let [v, w] = control.limits.cut(wanted, last, control.outer_period_s);
+        DesiredTwist { v, w }
+    }
+
     /// Mean wheel speeds since the last inner tick, by the time stamps of the encoders.
     fn measure_speed(&mut self, encoders: &Encoders) {
         let before = self.inner_encoders.replace(*encoders).unwrap_or(*encoders);
@@ -314,13 +337,13 @@ impl<C: Controller> Agent<C> {
             .map(|alpha| alpha * self.settings.control.inner_period_s)
     }
 
-    /// The torques of the controller, or of the open loop; none if the plant is lost.
+    /// The torques of the controller, or of the open loop; none if the plant is lost or the robot is told twists.
     fn torques(
         &mut self,
         now_ns: i64,
         limit_nm: [f64; 2],
     ) -> Result<WheelTorques, ControllerError> {
-        if self.plant_lost {
+        if self.plant_lost || self.settings.control.drive == Drive::Twist {
             self.loops.reset();
             return Ok(WheelTorques::ZERO);
         }

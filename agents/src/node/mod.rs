@@ -10,7 +10,7 @@ mod report;
 
 use slipstream_bus::InputError;
 use slipstream_bus::experiment::{Experiment, Parameters, Topology};
-use slipstream_bus::message::{Encoders, Position, RobotIndex, TorqueCommand};
+use slipstream_bus::message::{DriveCommand, Encoders, Position, RobotIndex};
 use slipstream_bus::record::{EventKind, Record, Recorder};
 use slipstream_bus::time::{Due, s_from_ns};
 use slipstream_bus::transport::{BusError, PositionLink};
@@ -38,8 +38,8 @@ pub struct Node<C = BuiltIn> {
     watchdog: bool,
     /// Whether the plant was lost at the last inner tick.
     plant_lost: bool,
-    /// The torques in force.
-    torque: TorqueCommand,
+    /// The command in force.
+    command: DriveCommand,
 }
 
 impl Node {
@@ -78,9 +78,9 @@ impl<C: Controller> Node<C> {
             arrived: Vec::with_capacity(4 * hears.len()),
             watchdog: false,
             plant_lost: false,
-            torque: TorqueCommand {
+            command: DriveCommand {
                 robot: index,
-                ..TorqueCommand::default()
+                ..DriveCommand::default()
             },
         })
     }
@@ -100,7 +100,7 @@ impl<C: Controller> Node<C> {
         Ok((Self::with(experiment, index, controller)?, parameters))
     }
 
-    /// Runs the loops that are due at `now_ns` and returns the torques in force from then on.
+    /// Runs the loops that are due at `now_ns` and returns the command in force from then on.
     ///
     /// # Errors
     /// The transport failed.
@@ -111,7 +111,7 @@ impl<C: Controller> Node<C> {
         encoders: &Encoders,
         link: &mut impl PositionLink,
         recorder: &mut impl Recorder,
-    ) -> Result<TorqueCommand, BusError> {
+    ) -> Result<DriveCommand, BusError> {
         recorder.record(&Record::Encoders {
             t_ns: encoders.sampled_ns,
             robot: self.robot,
@@ -123,7 +123,7 @@ impl<C: Controller> Node<C> {
         if due.inner {
             self.inner(now_ns, encoders, recorder)?;
         }
-        Ok(self.torque)
+        Ok(self.command)
     }
 
     /// Moves all waiting positions from the transport to the delay lines, in the order of senders and messages.
@@ -196,8 +196,8 @@ impl<C: Controller> Node<C> {
         let kinds = [EventKind::PlantLost, EventKind::PlantBack];
         let lost = self.agent.plant_lost();
         log::change(&mut self.plant_lost, lost, kinds, robot, now_ns, recorder);
-        self.torque.tick_ns = now_ns;
-        self.torque.torque_nm = tick.torque_nm;
+        self.command.tick_ns = now_ns;
+        self.command.actuation = self.agent.actuation(&tick);
         Ok(())
     }
 

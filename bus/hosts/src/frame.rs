@@ -2,7 +2,7 @@
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use slipstream_bus::message::{Encoders, Position, RobotIndex, TorqueCommand};
+use slipstream_bus::message::{DriveCommand, Encoders, Position, RobotIndex};
 use slipstream_bus::transport::BusError;
 use slipstream_ipc::wake_page::DEADLINE_WORDS;
 
@@ -105,7 +105,7 @@ pub struct Answer {
     /// The round.
     pub number: u64,
     /// Torques of all robots of the host.
-    pub commands: Vec<TorqueCommand>,
+    pub commands: Vec<DriveCommand>,
     /// Positions for robots of other hosts.
     pub positions: Vec<Position>,
     /// Chunks of records since the last answer.
@@ -116,7 +116,7 @@ pub struct Answer {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Sent {
     /// Torques, in the order of their sending.
-    pub commands: Vec<TorqueCommand>,
+    pub commands: Vec<DriveCommand>,
     /// Positions for robots of other hosts.
     pub positions: Vec<Position>,
 }
@@ -206,7 +206,7 @@ mod tests {
     fn a_frame_that_is_cut_or_too_long_is_refused() {
         let answer = Up::Answer(Answer {
             number: 7,
-            commands: vec![TorqueCommand::default(); 2],
+            commands: vec![DriveCommand::default(); 2],
             positions: vec![Position::default()],
             records: vec![vec![1, 2, 3]],
         });

@@ -10,7 +10,7 @@ use crate::{report, trace};
 
 /// What the processes of a run have to agree on: release, and number of changes of messages and files since. Raise the number
 /// when one of them changes.
-pub const PROTOCOL: &str = concat!(env!("CARGO_PKG_VERSION"), "/2");
+pub const PROTOCOL: &str = concat!(env!("CARGO_PKG_VERSION"), "/3");
 
 /// What every process of a run is started with.
 #[derive(Debug, Clone)]

@@ -17,7 +17,7 @@ use slipstream_bus::message::RobotIndex;
 use slipstream_bus::transport::BusError;
 
 use crate::run_directory::RunDirectory;
-use crate::wire::{WireEncoders, WirePosition, WireTorque, WorldHeader};
+use crate::wire::{WireDrive, WireEncoders, WirePosition, WorldHeader};
 
 /// Number of robots that share a service for their positions.
 const GROUP_SIZE: u32 = 8;
@@ -32,8 +32,8 @@ pub const PLANT_CHUNK: usize = 64 << 10;
 type Ipc = ipc::Service;
 pub(crate) type WorldPublisher = Publisher<Ipc, [WireEncoders], WorldHeader>;
 pub(crate) type WorldSubscriber = Subscriber<Ipc, [WireEncoders], WorldHeader>;
-pub(crate) type CommandPublisher = Publisher<Ipc, WireTorque, ()>;
-pub(crate) type CommandSubscriber = Subscriber<Ipc, WireTorque, ()>;
+pub(crate) type CommandPublisher = Publisher<Ipc, WireDrive, ()>;
+pub(crate) type CommandSubscriber = Subscriber<Ipc, WireDrive, ()>;
 pub(crate) type PositionPublisher = Publisher<Ipc, WirePosition, ()>;
 pub(crate) type PositionSubscriber = Subscriber<Ipc, WirePosition, ()>;
 pub(crate) type RecordPublisher = Publisher<Ipc, [u8], ()>;
@@ -188,10 +188,10 @@ impl Services {
             .map_err(|e| BusError::failed("service world", e))
     }
 
-    fn commands(&self) -> Result<PortFactory<Ipc, WireTorque, ()>, BusError> {
+    fn commands(&self) -> Result<PortFactory<Ipc, WireDrive, ()>, BusError> {
         self.node
             .service_builder(&service_name("command")?)
-            .publish_subscribe::<WireTorque>()
+            .publish_subscribe::<WireDrive>()
             .max_publishers(self.robots + 1)
             .max_subscribers(2)
             .max_nodes(self.robots + 8)

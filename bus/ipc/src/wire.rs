@@ -3,7 +3,7 @@
 //! The type name contains the version of the layout: builds with different layouts do not connect.
 
 use iceoryx2::prelude::ZeroCopySend;
-use slipstream_bus::message::{Encoders, Extra, MAX_EXTRA, Position, TorqueCommand};
+use slipstream_bus::message::{Actuation, DriveCommand, Encoders, Extra, MAX_EXTRA, Position};
 
 /// [`Encoders`] of one robot, plant to agent.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ZeroCopySend)]
@@ -27,15 +27,19 @@ pub(crate) struct WorldHeader {
     pub(crate) reserved: u32,
 }
 
-/// [`TorqueCommand`], agent to plant.
+/// [`DriveCommand`], agent to plant.
 #[derive(Debug, Clone, Copy, Default, PartialEq, ZeroCopySend)]
-#[type_name("slipstream.Torque.1")]
+#[type_name("slipstream.Drive.2")]
 #[repr(C)]
-pub(crate) struct WireTorque {
+pub(crate) struct WireDrive {
     robot: u32,
     epoch: u32,
     tick_ns: i64,
-    torque_nm: [f64; 2],
+    /// 0: torques, 1: a twist.
+    kind: u32,
+    /// Padding.
+    reserved: u32,
+    values: [f64; 2],
 }
 
 /// [`Position`], robot to those that hear it.
@@ -60,33 +64,49 @@ pub struct WirePosition {
     extra: [f64; MAX_EXTRA],
 }
 
-/// Implements the conversions in both directions from one list of the fields.
-macro_rules! same_fields {
-    ($message:ident, $wire:ident { $($field:ident),* }) => {
-        impl From<$message> for $wire {
-            fn from(message: $message) -> Self {
-                Self { $($field: message.$field),* }
-            }
-        }
-
-        impl From<$wire> for $message {
-            fn from(wire: $wire) -> Self {
-                Self { $($field: wire.$field),* }
-            }
-        }
-    };
+impl From<Encoders> for WireEncoders {
+    fn from(Encoders { sampled_ns, counts }: Encoders) -> Self {
+        Self { sampled_ns, counts }
+    }
 }
 
-same_fields!(Encoders, WireEncoders { sampled_ns, counts });
-same_fields!(
-    TorqueCommand,
-    WireTorque {
-        robot,
-        epoch,
-        tick_ns,
-        torque_nm
+impl From<WireEncoders> for Encoders {
+    fn from(WireEncoders { sampled_ns, counts }: WireEncoders) -> Self {
+        Self { sampled_ns, counts }
     }
-);
+}
+
+impl From<DriveCommand> for WireDrive {
+    fn from(command: DriveCommand) -> Self {
+        let (kind, values) = match command.actuation {
+            Actuation::Torque(values) => (0, values),
+            Actuation::Twist(values) => (1, values),
+        };
+        Self {
+            robot: command.robot,
+            epoch: command.epoch,
+            tick_ns: command.tick_ns,
+            kind,
+            reserved: 0,
+            values,
+        }
+    }
+}
+
+impl From<WireDrive> for DriveCommand {
+    fn from(wire: WireDrive) -> Self {
+        Self {
+            robot: wire.robot,
+            epoch: wire.epoch,
+            tick_ns: wire.tick_ns,
+            actuation: match wire.kind {
+                0 => Actuation::Torque(wire.values),
+                _ => Actuation::Twist(wire.values),
+            },
+        }
+    }
+}
+
 impl From<Position> for WirePosition {
     fn from(position: Position) -> Self {
         let extra_len = position.extra.numbers().len();

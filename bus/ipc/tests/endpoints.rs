@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::thread::{self, Scope, ScopedJoinHandle};
 use std::time::{Duration, Instant};
 
-use slipstream_bus::message::{Encoders, Position, RobotIndex, TorqueCommand};
+use slipstream_bus::message::{Actuation, DriveCommand, Encoders, Position, RobotIndex};
 use slipstream_bus::record::{EventKind, Record, Recorder};
 use slipstream_bus::transport::{BusError, LockstepLink, PositionLink};
 use slipstream_bus::{Experiment, RobotModel, Settings};
@@ -129,11 +129,11 @@ fn answer_all(mut agent: AgentEndpoint) {
         // The front robot answers last.
         thread::sleep(Duration::from_millis(u64::from(3 - robot)));
         agent
-            .answer(TorqueCommand {
+            .answer(DriveCommand {
                 robot,
                 epoch: 0,
                 tick_ns: now_ns,
-                torque_nm: encoders.counts.map(|count| count as f64),
+                actuation: Actuation::Torque(encoders.counts.map(|count| count as f64)),
             })
             .unwrap();
     }
@@ -147,13 +147,14 @@ fn a_round_delivers_the_encoders_and_returns_the_commands_in_robot_order() {
             run.agent(scope, robot, answer_all);
         }
         run.plant(|plant| {
-            let mut commands = vec![TorqueCommand::default(); 3];
+            let mut commands = vec![DriveCommand::default(); 3];
             for now_ns in [0, 20_000_000, 40_000_000] {
                 let encoders = encoders(now_ns);
                 plant.round(now_ns, &encoders, &mut commands).unwrap();
                 for (robot, (command, encoders)) in (0..).zip(commands.iter().zip(&encoders)) {
                     assert_eq!((command.robot, command.tick_ns), (robot, now_ns));
-                    assert_eq!(command.torque_nm, encoders.counts.map(|count| count as f64));
+                    let torque_nm = encoders.counts.map(|count| count as f64);
+                    assert_eq!(command.actuation, Actuation::Torque(torque_nm));
                 }
             }
         });
@@ -168,9 +169,9 @@ fn a_position_travels_to_the_successor_with_its_time_of_sending() {
     let answer = |agent: &AgentEndpoint| {
         let robot = agent.robot();
         agent
-            .answer(TorqueCommand {
+            .answer(DriveCommand {
                 robot,
-                ..TorqueCommand::default()
+                ..DriveCommand::default()
             })
             .unwrap();
     };
@@ -197,7 +198,7 @@ fn a_position_travels_to_the_successor_with_its_time_of_sending() {
             })
             .collect();
         run.plant(|plant| {
-            let mut commands = vec![TorqueCommand::default(); 3];
+            let mut commands = vec![DriveCommand::default(); 3];
             for now_ns in [0, SENT_NS, 60_000_000] {
                 plant
                     .round(now_ns, &encoders(now_ns), &mut commands)
@@ -240,7 +241,7 @@ fn a_stopped_run_ends_every_wait() {
             });
         }
         run.plant(|plant| {
-            let mut commands = vec![TorqueCommand::default(); 3];
+            let mut commands = vec![DriveCommand::default(); 3];
             scope.spawn(|| {
                 thread::sleep(Duration::from_millis(30));
                 run.wake_page().stop();
@@ -270,14 +271,14 @@ fn an_agent_that_does_not_answer_is_named() {
             run.agent(scope, robot, move |mut agent| {
                 while agent.next_round().unwrap().is_some() {
                     if robot != 1 {
-                        agent.answer(TorqueCommand::default()).unwrap();
+                        agent.answer(DriveCommand::default()).unwrap();
                     }
                 }
             });
         }
         run.plant(|plant| {
             plant.set_answer_timeout(Duration::from_millis(100));
-            let mut commands = vec![TorqueCommand::default(); 3];
+            let mut commands = vec![DriveCommand::default(); 3];
             let error = plant.round(0, &encoders(0), &mut commands).unwrap_err();
             let expected = BusError::NoAnswer {
                 robot: "r2".to_owned(),

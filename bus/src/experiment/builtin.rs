@@ -6,9 +6,11 @@ use std::collections::BTreeMap;
 use super::hears::Hears;
 use super::profile::Profile;
 use super::settings::{
-    Clock, Control, Distribution, Feedforward, Formation, Law, LinkSettings, OnDeath, OpenLoop,
-    Plant, Protocol, RecordingRates, Robots, SensorSettings, Settings, TorqueLimit,
+    Clock, Control, Distribution, Drive, Feedforward, Formation, Law, LinkSettings, OnDeath,
+    OpenLoop, Plant, Protocol, RecordingRates, Robots, SensorSettings, Settings, TorqueLimit,
 };
+
+use crate::twist_limits::TwistLimits;
 
 /// Duration of the ramp of the yaw rate at the begin and at the end of a turn (s).
 const TURN_RAMP_S: f64 = 0.3;
@@ -88,6 +90,7 @@ impl Default for Control {
     fn default() -> Self {
         Self {
             law: Law::Paper,
+            drive: Drive::Torque,
             outer_period_s: 0.05,
             inner_period_s: 0.02,
             k_x: 1.0,
@@ -103,6 +106,7 @@ impl Default for Control {
             watchdog_s: 1.0,
             watchdog_deceleration_m_s2: 0.5,
             plant_timeout_s: 0.1,
+            limits: TwistLimits::NONE,
         }
     }
 }

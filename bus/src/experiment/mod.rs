@@ -17,8 +17,8 @@ pub use hears::Hears;
 pub use parameters::{EVERY_ROBOT, ParameterValue, Parameters, program_of};
 pub use profile::Profile;
 pub use settings::{
-    Clock, Control, Distribution, Feedforward, Formation, Law, LinkSettings, OnDeath, OpenLoop,
-    Plant, Protocol, RecordingRates, Robots, SensorSettings, Settings, TorqueLimit,
+    Clock, Control, Distribution, Drive, Feedforward, Formation, Law, LinkSettings, OnDeath,
+    OpenLoop, Plant, Protocol, RecordingRates, Robots, SensorSettings, Settings, TorqueLimit,
 };
-pub use setup::{Experiment, RobotSetup};
+pub use setup::{Experiment, RobotSetup, WheelSource};
 pub use topology::Topology;

@@ -15,6 +15,7 @@ use super::profile::Profile;
 use crate::message::{RobotIndex, robot_name};
 use crate::sensors::{Camera, Imu, Sensors};
 use crate::time::{Schedule, ns_from_s};
+use crate::twist_limits::TwistLimits;
 
 /// Every key of an experiment. The default is the paper's platoon (section 4).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -135,6 +136,8 @@ pub struct OpenLoop {
 pub struct Control {
     /// Control law from desired velocities to torques.
     pub law: Law,
+    /// What robots are told: torques by the inner loop, or the twist of the outer loop.
+    pub drive: Drive,
     /// Period of the outer loop (s); 20 Hz in the paper.
     pub outer_period_s: f64,
     /// Period of the inner loop (s); 50 Hz in the paper.
@@ -165,6 +168,19 @@ pub struct Control {
     pub watchdog_deceleration_m_s2: f64,
     /// Wall clock: a controller whose encoder readings are older than this commands no torque (s).
     pub plant_timeout_s: f64,
+    /// `drive = "twist"`: limits of the twists.
+    pub limits: TwistLimits,
+}
+
+/// What robots are told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Drive {
+    /// Wheel torques, by the inner loop of the controller.
+    #[default]
+    Torque,
+    /// v_d and w_d of the outer loop: the robot has speed loops of its own. The controller's inner loop does not run.
+    Twist,
 }
 
 /// Control law from desired velocities to torques.
@@ -274,11 +290,15 @@ pub struct RecordingRates {
 }
 
 impl Settings {
-    /// The schedule of the control loops.
+    /// The schedule of the control loops. A twist is passed on at once, so the inner tick follows the outer one.
     pub fn schedule(&self) -> Schedule {
+        let outer_ns = ns_from_s(self.control.outer_period_s);
         Schedule {
-            outer_ns: ns_from_s(self.control.outer_period_s),
-            inner_ns: ns_from_s(self.control.inner_period_s),
+            outer_ns,
+            inner_ns: match self.control.drive {
+                Drive::Torque => ns_from_s(self.control.inner_period_s),
+                Drive::Twist => outer_ns,
+            },
         }
     }
 

@@ -26,6 +26,20 @@ pub struct RobotSetup {
     pub model: RobotModel,
     /// Initial pose of c: x (m), y (m), yaw (rad).
     pub pose: [f64; 3],
+    /// Where what its wheels do is known from.
+    pub wheels: WheelSource,
+}
+
+/// Where what the wheels of a robot do is known from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum WheelSource {
+    /// Encoders of the simulated plant.
+    #[default]
+    Simulated,
+    /// Wheel angles that a real robot sends.
+    Angles,
+    /// A real robot's odometry: the angles that its wheels would have by the model.
+    Odometry,
 }
 
 impl Experiment {
@@ -37,6 +51,7 @@ impl Experiment {
                 name: robot_name(index),
                 model: model.clone(),
                 pose: settings.start_pose(index),
+                wheels: WheelSource::Simulated,
             })
             .collect();
         Self {

@@ -1,7 +1,7 @@
 //! Validation of settings: the first value that no run can have, with a remedy.
 
 use super::parameters::EVERY_ROBOT;
-use super::settings::{Clock, Control, Distribution, Law, OnDeath, Settings, TorqueLimit};
+use super::settings::{Clock, Control, Distribution, Drive, Law, OnDeath, Settings, TorqueLimit};
 use super::topology;
 use crate::error::InputError;
 use crate::message::robot_name;
@@ -26,11 +26,39 @@ impl Settings {
             let remedy = "give none, inner or adaptive, or leave control.law = \"paper\"";
             return invalid("control.torque_limit", problem, remedy);
         }
+        self.validate_drive()?;
         self.sensors.present().validate()?;
         self.validate_links()?;
         topology::validate(self)?;
         self.changes_in_time()?;
         self.validate_agents()
+    }
+
+    /// What only torques have, where robots are told twists.
+    fn validate_drive(&self) -> Result<(), InputError> {
+        let control = &self.control;
+        if control.drive == Drive::Torque {
+            return Ok(());
+        }
+        let needs_torques = [
+            ("open_loop.enabled", self.open_loop.enabled),
+            (
+                "control.torque_limit",
+                control.torque_limit != TorqueLimit::None,
+            ),
+            ("control.law", control.law == Law::ComputedTorque),
+        ];
+        match needs_torques.iter().find(|(_, given)| *given) {
+            None => Ok(()),
+            Some((key, _)) => {
+                let problem = "is about torques, and the robots are told twists";
+                invalid(
+                    key,
+                    problem,
+                    "leave it out, or give control.drive = \"torque\"",
+                )
+            }
+        }
     }
 
     /// Names of robots in `[agents]` and `[controller]`.
@@ -207,7 +235,7 @@ impl Control {
         ] {
             within(&format!("control.{key}"), value, range)?;
         }
-        Ok(())
+        self.limits.validate("control.limits")
     }
 }
 

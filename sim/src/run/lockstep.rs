@@ -3,7 +3,8 @@
 //! clock.
 
 use slipstream_bus::Experiment;
-use slipstream_bus::message::{Encoders, TorqueCommand};
+use slipstream_bus::experiment::Drive;
+use slipstream_bus::message::{Actuation, DriveCommand, Encoders};
 use slipstream_bus::record::{Record, Recorder};
 use slipstream_bus::time::{ns_from_s, s_from_ns};
 use slipstream_bus::transport::{BusError, LockstepLink};
@@ -26,7 +27,7 @@ impl Progress for () {
 }
 
 /// Runs `world` from the start to the end of `experiment`, exchanging messages with the agents over
-/// `link` and writing applied torques and sensor samples to `recorder`.
+/// `link` and writing applied commands and sensor samples to `recorder`.
 ///
 /// # Errors
 /// When an agent does not answer, the run is stopped, or a robot's state is no number any more.
@@ -45,18 +46,18 @@ pub fn lockstep(
     let step_ns = ns_from_s(settings.plant.step_s);
     let robots = experiment.robots.len();
     let mut encoders = vec![Encoders::default(); robots];
-    let mut torques = vec![TorqueCommand::default(); robots];
-    let mut commands: Vec<Command> = torques.iter().map(command).collect();
+    let mut told = vec![DriveCommand::default(); robots];
+    let mut commands = vec![no_command(settings.control.drive); robots];
     let mut changes = changes(experiment)?;
     let mut now_ns = 0;
     while now_ns < end_ns {
         if schedule.due(now_ns).any() {
             read_encoders(world, now_ns, &mut encoders);
-            link.round(now_ns, &encoders, &mut torques)?;
-            for (acting, torque) in commands.iter_mut().zip(&torques) {
-                *acting = command(torque);
-                if torque.tick_ns == now_ns {
-                    recorder.record(&applied(now_ns, now_ns, torque));
+            link.round(now_ns, &encoders, &mut told)?;
+            for (acting, told) in commands.iter_mut().zip(&told) {
+                *acting = command(&told.actuation);
+                if told.tick_ns == now_ns {
+                    recorder.record(&applied(now_ns, now_ns, told));
                 }
             }
             progress.at(now_ns, world, observer);
@@ -108,20 +109,30 @@ pub(super) fn read_encoders(world: &World, now_ns: i64, encoders: &mut [Encoders
     }
 }
 
-/// The torque of a message as a command of the plant.
-pub(super) fn command(torque: &TorqueCommand) -> Command {
-    let [right_nm, left_nm] = torque.torque_nm;
-    Command::Torque { right_nm, left_nm }
+/// What drives are told, as a command of the plant.
+pub fn command(actuation: &Actuation) -> Command {
+    match *actuation {
+        Actuation::Torque([right_nm, left_nm]) => Command::Torque { right_nm, left_nm },
+        Actuation::Twist([v_m_s, w_rad_s]) => Command::Twist { v_m_s, w_rad_s },
+    }
 }
 
-/// Record of a torque that acts from `t_ns` on and was received at `taken_ns`.
-pub(super) fn applied(t_ns: i64, taken_ns: i64, torque: &TorqueCommand) -> Record {
+/// The command of drives that nobody tells anything: no torque, or standstill.
+pub fn no_command(drive: Drive) -> Command {
+    command(&match drive {
+        Drive::Torque => Actuation::Torque([0.0; 2]),
+        Drive::Twist => Actuation::Twist([0.0; 2]),
+    })
+}
+
+/// Record of a command that acts from `t_ns` on and was received at `taken_ns`.
+pub(super) fn applied(t_ns: i64, taken_ns: i64, command: &DriveCommand) -> Record {
     Record::Applied {
         t_ns,
         taken_ns,
-        robot: torque.robot,
-        tick_ns: torque.tick_ns,
-        torque_nm: torque.torque_nm,
+        robot: command.robot,
+        tick_ns: command.tick_ns,
+        actuation: command.actuation,
     }
 }
 
@@ -165,11 +176,11 @@ mod tests {
             &mut self,
             _: i64,
             _: &[Encoders],
-            commands: &mut [TorqueCommand],
+            commands: &mut [DriveCommand],
         ) -> Result<(), BusError> {
             commands
                 .iter_mut()
-                .for_each(|command| command.torque_nm = [self.0; 2]);
+                .for_each(|command| command.actuation = Actuation::Torque([self.0; 2]));
             Ok(())
         }
 

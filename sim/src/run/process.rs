@@ -4,7 +4,8 @@ use std::path::Path;
 use std::time::Duration;
 
 use slipstream_bus::Experiment;
-use slipstream_bus::message::{Encoders, TorqueCommand};
+use slipstream_bus::experiment::Drive;
+use slipstream_bus::message::{DriveCommand, Encoders};
 use slipstream_bus::record::Recorder;
 use slipstream_bus::time::ns_from_s;
 use slipstream_bus::transport::BusError;
@@ -17,7 +18,8 @@ use slipstream_ipc::services::{PLANT_CHUNK, Services};
 use slipstream_ipc::wake_page::{Member, Stage};
 
 use super::lockstep::{
-    Progress, applied, changes, command, lockstep, read_encoders, record_sensors, require_finite,
+    Progress, applied, changes, command, lockstep, no_command, read_encoders, record_sensors,
+    require_finite,
 };
 use super::observer::{Observer, PlantReport};
 use super::world;
@@ -135,7 +137,7 @@ impl Progress for ProgressPublisher<'_> {
     }
 }
 
-/// The plant's loop on the wall clock: one step at each deadline, with the newest torques.
+/// The plant's loop on the wall clock: one step at each deadline, with the newest commands.
 struct WallClockLoop<'a> {
     end: &'a PlantEndpoint,
     records: &'a mut RecordSender,
@@ -155,7 +157,8 @@ impl WallClockLoop<'_> {
         let end_ns = ns_from_s(settings.duration_s);
         let timeout_ns = ns_from_s(settings.plant.command_timeout_s);
         let mut changes = changes(experiment)?;
-        let mut actuators = Actuators::new(experiment.robots.len(), timeout_ns);
+        let drive = settings.control.drive;
+        let mut actuators = Actuators::new(experiment.robots.len(), drive, timeout_ns);
         let mut encoders = vec![Encoders::default(); experiment.robots.len()];
         read_encoders(world, 0, &mut encoders);
         self.end.publish(0, &encoders)?;
@@ -189,28 +192,29 @@ impl WallClockLoop<'_> {
     }
 }
 
-/// Actuators of all robots: the newest torque of each, zero once it is older than the timeout.
+/// Actuators of all robots: the newest command of each, none once it is older than the timeout.
 struct Actuators {
-    newest: Vec<TorqueCommand>,
-    /// Time at which each robot's newest torque arrived (ns).
+    newest: Vec<DriveCommand>,
+    /// Time at which each robot's newest command arrived (ns).
     received_ns: Vec<i64>,
     commands: Vec<Command>,
+    none: Command,
     timeout_ns: i64,
 }
 
 impl Actuators {
-    fn new(robots: usize, timeout_ns: i64) -> Self {
-        let newest = vec![TorqueCommand::default(); robots];
-        let commands = newest.iter().map(command).collect();
+    fn new(robots: usize, drive: Drive, timeout_ns: i64) -> Self {
+        let none = no_command(drive);
         Self {
-            newest,
+            newest: vec![DriveCommand::default(); robots],
             received_ns: vec![0; robots],
-            commands,
+            commands: vec![none; robots],
+            none,
             timeout_ns,
         }
     }
 
-    /// Takes over the torques that have arrived, records new ones, and drops those that are too
+    /// Takes over the commands that have arrived, records new ones, and drops those that are too
     /// old.
     fn receive(
         &mut self,
@@ -219,18 +223,18 @@ impl Actuators {
         clock: WallClock,
         recorder: &mut impl Recorder,
     ) -> Result<(), BusError> {
-        end.drain_commands(|torque| {
-            let robot = torque.robot as usize;
+        end.drain_commands(|told| {
+            let robot = told.robot as usize;
             self.received_ns[robot] = now_ns;
-            if torque.tick_ns != self.newest[robot].tick_ns || now_ns == 0 {
-                recorder.record(&applied(now_ns, clock.now_ns(), torque));
+            if told.tick_ns != self.newest[robot].tick_ns || now_ns == 0 {
+                recorder.record(&applied(now_ns, clock.now_ns(), told));
             }
-            self.newest[robot] = *torque;
-            self.commands[robot] = command(torque);
+            self.newest[robot] = *told;
+            self.commands[robot] = command(&told.actuation);
         })?;
         for (received_ns, command) in self.received_ns.iter().zip(&mut self.commands) {
             if now_ns - received_ns > self.timeout_ns {
-                *command = Command::zero_torque();
+                *command = self.none;
             }
         }
         Ok(())

@@ -13,7 +13,7 @@ use std::path::Path;
 use mcap::{MessageStream, WriteOptions};
 use serde::Serialize;
 use slipstream_agents::process::AgentOutcome;
-use slipstream_bus::message::{Encoders, Position, TorqueCommand};
+use slipstream_bus::message::{DriveCommand, Encoders, Position};
 use slipstream_bus::record::{Record, Recorder};
 use slipstream_bus::{Parameter, RobotModel};
 use slipstream_fuzz::{FILES, MAP, SEPARATOR, SOURCES};
@@ -467,7 +467,7 @@ fn host_frames(resolved: &Resolved, chunk: &[u8]) {
     });
     let answer = Up::Answer(Answer {
         number: 2,
-        commands: vec![TorqueCommand::default()],
+        commands: vec![DriveCommand::default()],
         positions: vec![Position::default()],
         records: vec![chunk.to_vec()],
     });
@@ -520,7 +520,7 @@ fn wall_clock_frames(chunk: &[u8]) {
         sent_ns: 3,
     });
     let sent = Up::Sent(Sent {
-        commands: vec![TorqueCommand::default()],
+        commands: vec![DriveCommand::default()],
         positions: vec![Position::default()],
     });
     let records = Up::Records(Batch {

@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use slipstream_agents::{AgentContext, BuiltIn, Controller, ControllerError, Node, NodeReport};
 use slipstream_bus::experiment::Topology;
-use slipstream_bus::message::{Encoders, Position, RobotIndex, TorqueCommand, robot_name};
+use slipstream_bus::message::{DriveCommand, Encoders, Position, RobotIndex, robot_name};
 use slipstream_bus::record::{NoRecorder, Record, Recorder};
 use slipstream_bus::time::Schedule;
 use slipstream_bus::transport::{BusError, LockstepLink, PositionLink};
@@ -178,7 +178,7 @@ impl<R: Recorder, C: Controller> LockstepLink for Agents<R, C> {
         &mut self,
         now_ns: i64,
         encoders: &[Encoders],
-        commands: &mut [TorqueCommand],
+        commands: &mut [DriveCommand],
     ) -> Result<(), BusError> {
         trace::set_virtual_time(now_ns);
         let due = self.schedule.due(now_ns);

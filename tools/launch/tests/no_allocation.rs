@@ -7,7 +7,7 @@ use std::rc::Rc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use slipstream_agents::Node;
-use slipstream_bus::message::{Encoders, TorqueCommand};
+use slipstream_bus::message::{DriveCommand, Encoders};
 use slipstream_bus::record::NoRecorder;
 use slipstream_bus::transport::LockstepLink;
 use slipstream_bus::{Experiment, RobotModel, Settings};
@@ -105,7 +105,7 @@ fn shared_memory_links_allocate_one_block_per_sample() {
         let mut end = PlantEndpoint::new(&services, presence).unwrap();
         end.await_ready(robots).unwrap();
         let encoders = vec![Encoders::default(); robots as usize];
-        let mut commands = vec![TorqueCommand::default(); robots as usize];
+        let mut commands = vec![DriveCommand::default(); robots as usize];
         let mut now_ns = 0;
         let mut rounds = |count: i64| {
             for _ in 0..count {

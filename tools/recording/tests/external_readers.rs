@@ -49,6 +49,7 @@ fn run_header() -> RunHeader {
             data: b"duration_s = 15.0\n".to_vec(),
         }],
         metadata: BTreeMap::from([("seed".to_owned(), "7".to_owned())]),
+        ..RunHeader::default()
     }
 }
 

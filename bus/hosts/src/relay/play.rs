@@ -3,7 +3,7 @@
 
 use std::time::{Duration, Instant};
 
-use slipstream_bus::message::{Encoders, RobotIndex, TorqueCommand};
+use slipstream_bus::message::{DriveCommand, Encoders, RobotIndex};
 use slipstream_bus::transport::{BusError, LockstepLink};
 use slipstream_ipc::endpoints::{CrossingLinks, PlantEndpoint};
 use slipstream_ipc::join::JoinedRun;
@@ -29,7 +29,7 @@ pub(super) struct Play<'a> {
     pub(super) contact: Contact,
     pub(super) timeout: Duration,
     pub(super) encoders: Vec<Encoders>,
-    pub(super) commands: Vec<TorqueCommand>,
+    pub(super) commands: Vec<DriveCommand>,
 }
 
 impl<'a> Play<'a> {
@@ -56,7 +56,7 @@ impl<'a> Play<'a> {
             contact: Contact::now(),
             timeout: Duration::from_secs_f64(experiment.settings.host_timeout_s),
             encoders: vec![Encoders::default(); all],
-            commands: vec![TorqueCommand::default(); all],
+            commands: vec![DriveCommand::default(); all],
         })
     }
 

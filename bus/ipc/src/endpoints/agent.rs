@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use slipstream_bus::message::{Encoders, RobotIndex, TorqueCommand};
+use slipstream_bus::message::{DriveCommand, Encoders, RobotIndex};
 use slipstream_bus::transport::BusError;
 
 use super::links::LinkEndpoints;
@@ -119,8 +119,8 @@ impl AgentEndpoint {
     ///
     /// # Errors
     /// The transport failed.
-    pub fn answer(&self, command: TorqueCommand) -> Result<(), BusError> {
-        let received = self.send_command(TorqueCommand {
+    pub fn answer(&self, command: DriveCommand) -> Result<(), BusError> {
+        let received = self.send_command(DriveCommand {
             epoch: self.epoch,
             ..command
         })?;
@@ -139,7 +139,7 @@ impl AgentEndpoint {
     ///
     /// # Errors
     /// The transport failed.
-    pub fn send_command(&self, command: TorqueCommand) -> Result<usize, BusError> {
+    pub fn send_command(&self, command: DriveCommand) -> Result<usize, BusError> {
         self.commands
             .send_copy(command.into())
             .map_err(|e| BusError::failed("command", e))

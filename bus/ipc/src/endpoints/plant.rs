@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use slipstream_bus::message::{Encoders, TorqueCommand, robot_name};
+use slipstream_bus::message::{DriveCommand, Encoders, robot_name};
 use slipstream_bus::transport::{BusError, LockstepLink};
 
 use crate::presence::{POLL_INTERVAL, Presence};
@@ -83,13 +83,13 @@ impl PlantEndpoint {
     ///
     /// # Errors
     /// The transport failed.
-    pub fn drain_commands(&self, mut each: impl FnMut(&TorqueCommand)) -> Result<(), BusError> {
+    pub fn drain_commands(&self, mut each: impl FnMut(&DriveCommand)) -> Result<(), BusError> {
         while let Some(sample) = self
             .commands
             .receive()
             .map_err(|e| BusError::failed("command", e))?
         {
-            each(&TorqueCommand::from(*sample.payload()));
+            each(&DriveCommand::from(*sample.payload()));
         }
         Ok(())
     }
@@ -145,7 +145,7 @@ impl PlantEndpoint {
     ///
     /// # Errors
     /// An agent has not answered, or the transport failed.
-    pub fn take_answers(&self, commands: &mut [TorqueCommand]) -> Result<(), BusError> {
+    pub fn take_answers(&self, commands: &mut [DriveCommand]) -> Result<(), BusError> {
         let mut answers = 0;
         self.drain_commands(|command| {
             if command.epoch == self.epoch {
@@ -173,7 +173,7 @@ impl LockstepLink for PlantEndpoint {
         &mut self,
         now_ns: i64,
         encoders: &[Encoders],
-        commands: &mut [TorqueCommand],
+        commands: &mut [DriveCommand],
     ) -> Result<(), BusError> {
         self.begin_round(now_ns, encoders)?;
         let begin = Instant::now();

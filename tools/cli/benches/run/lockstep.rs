@@ -4,7 +4,7 @@ use std::path::Path;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
-use slipstream_bus::message::{Encoders, TorqueCommand};
+use slipstream_bus::message::{DriveCommand, Encoders};
 use slipstream_bus::transport::LockstepLink;
 use slipstream_ipc::endpoints::{AgentEndpoint, PlantEndpoint};
 use slipstream_ipc::join::JoinedRun;
@@ -123,7 +123,7 @@ fn slipstream(robots: u32) -> f64 {
     end.await_ready(robots).unwrap();
     drop(services_kept_open);
     let encoders = vec![Encoders::default(); robots as usize];
-    let mut commands = vec![TorqueCommand::default(); robots as usize];
+    let mut commands = vec![DriveCommand::default(); robots as usize];
     let time = time_rounds(robots, || end.round(0, &encoders, &mut commands).unwrap());
     wake_page.advance(Stage::Over);
     agents
@@ -141,9 +141,9 @@ pub(crate) fn link_agent(folder: &Path, robot: &str) {
     let mut end = AgentEndpoint::new(&services, joined.presence.clone(), robot).unwrap();
     joined.wake_page().signal_ready();
     while end.next_round().unwrap().is_some() {
-        end.answer(TorqueCommand {
+        end.answer(DriveCommand {
             robot,
-            ..TorqueCommand::default()
+            ..DriveCommand::default()
         })
         .unwrap();
     }

@@ -5,9 +5,10 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::Path;
 
-use slipstream_bus::message::{Position, RobotIndex, robot_name};
-use slipstream_bus::record::{Record, Recorder, State};
-use slipstream_bus::{Experiment, RobotModel, trace};
+use slipstream_bus::experiment::WheelSource;
+use slipstream_bus::message::{Actuation, Position, RobotIndex, robot_name};
+use slipstream_bus::record::{OuterTick, Record, Recorder, State};
+use slipstream_bus::{Experiment, RobotModel, RobotSetup, trace};
 use slipstream_recording::Listener;
 use slipstream_recording::recording::{Noise, PosePoint, Recording, Robot};
 use slipstream_recording::robot_toml;
@@ -21,6 +22,7 @@ pub struct McapSink {
     writer: RunWriter<'static>,
     failure: Option<slipstream_recording::Error>,
     names: Vec<String>,
+    wheels: Vec<WheelSource>,
     poses: Vec<[f64; 3]>,
     in_flight: BTreeMap<MessageKey, MessageInFlight>,
     records: u64,
@@ -62,6 +64,7 @@ impl McapSink {
                 .iter()
                 .map(|robot| robot.name.clone())
                 .collect(),
+            wheels: experiment.robots.iter().map(|robot| robot.wheels).collect(),
             poses: Vec::new(),
             in_flight: BTreeMap::new(),
             records: 0,
@@ -112,6 +115,10 @@ impl McapSink {
     fn write(&mut self, record: &Record) -> slipstream_recording::Result<()> {
         match *record {
             Record::State(state) => self.write_state(&state)?,
+            // What agents read of a real robot's wheels is written as the robot sent it.
+            Record::Encoders { robot, .. } if self.wheels(robot) != WheelSource::Simulated => {}
+            Record::Outer(OuterTick { robot, .. })
+                if self.wheels(robot) == WheelSource::Odometry => {}
             Record::Encoders {
                 t_ns,
                 robot,
@@ -122,11 +129,33 @@ impl McapSink {
             Record::Applied {
                 t_ns,
                 robot,
-                torque_nm,
+                actuation,
                 ..
             } => {
+                let robot = robot as usize;
+                match actuation {
+                    Actuation::Torque(nm) => self.writer.write_torque_command(robot, t_ns, nm)?,
+                    Actuation::Twist(twist) => {
+                        self.writer.write_twist_command(robot, t_ns, twist)?;
+                    }
+                }
+            }
+            Record::WheelAngles {
+                t_ns,
+                robot,
+                angle_rad,
+            } => {
                 self.writer
-                    .write_torque_command(robot as usize, t_ns, torque_nm)?;
+                    .write_wheel_angles(robot as usize, t_ns, angle_rad)?;
+            }
+            Record::RobotOdometry {
+                t_ns,
+                robot,
+                pose,
+                velocity,
+            } => {
+                self.writer
+                    .write_odometry(robot as usize, t_ns, pose, velocity)?;
             }
             Record::Camera { t_ns, robot, pose } => {
                 self.writer.write_camera(robot as usize, t_ns, pose)?;
@@ -172,6 +201,12 @@ impl McapSink {
             }
         }
         Ok(())
+    }
+
+    /// Where what the wheels of a robot do is known from.
+    fn wheels(&self, robot: RobotIndex) -> WheelSource {
+        let own = self.wheels.get(robot as usize).copied();
+        own.unwrap_or_default()
     }
 
     fn write_state(&mut self, state: &State) -> slipstream_recording::Result<()> {
@@ -275,23 +310,37 @@ fn about(experiment: &Experiment, keys: &str) -> RunHeader {
     let settings = &experiment.settings;
     let camera = &settings.sensors.camera;
     let imu = &settings.sensors.imu;
-    let robot = |setup: &slipstream_bus::RobotSetup| Robot {
+    let is_simulated = |setup: &RobotSetup| setup.wheels == WheelSource::Simulated;
+    let simulated_noise = Noise {
+        pose_m: Some(camera.noise_m),
+        pose_rad: Some(camera.noise_rad),
+        imu_m_s2: Some(imu.noise_m_s2),
+        imu_rad_s: Some(imu.noise_rad_s),
+        ..Noise::default()
+    };
+    let robot = |setup: &RobotSetup| Robot {
         encoder_counts_per_rev: setup.model.encoder.as_ref().map(|e| e.counts_per_rev),
         pose_point: Some(PosePoint::CentreOfMass),
-        noise: Noise {
-            pose_m: Some(camera.noise_m),
-            pose_rad: Some(camera.noise_rad),
-            imu_m_s2: Some(imu.noise_m_s2),
-            imu_rad_s: Some(imu.noise_rad_s),
-            ..Noise::default()
+        noise: match is_simulated(setup) {
+            true => simulated_noise,
+            false => Noise::default(),
         },
         ..Robot::named(&setup.name)
     };
-    let truth = |setup: &slipstream_bus::RobotSetup| Attachment {
-        name: format!("simulated.{}.toml", setup.name),
-        media_type: "application/toml".to_owned(),
-        data: robot_toml::to_text(&setup.model).into_bytes(),
+    let attached = |setup: &RobotSetup| {
+        let role = if is_simulated(setup) {
+            "simulated"
+        } else {
+            "nominal"
+        };
+        Attachment {
+            name: format!("{role}.{}.toml", setup.name),
+            media_type: "application/toml".to_owned(),
+            data: robot_toml::to_text(&setup.model).into_bytes(),
+        }
     };
+    let is_real = !experiment.robots.iter().all(is_simulated);
+    let made_by = if is_real { ", real robots" } else { "" };
     let nominal = |model: &RobotModel| RobotModel {
         effects: Vec::new(),
         ..model.clone()
@@ -299,7 +348,7 @@ fn about(experiment: &Experiment, keys: &str) -> RunHeader {
     RunHeader {
         description: Recording {
             name: settings.name.clone(),
-            origin: format!("slipstream {}", env!("CARGO_PKG_VERSION")),
+            origin: format!("slipstream {}{made_by}", env!("CARGO_PKG_VERSION")),
             robots: experiment.robots.iter().map(robot).collect(),
             model: experiment.robots.first().map(|setup| nominal(&setup.model)),
             ..Recording::default()
@@ -309,8 +358,10 @@ fn about(experiment: &Experiment, keys: &str) -> RunHeader {
             media_type: "application/toml".to_owned(),
             data: keys.as_bytes().to_vec(),
         })
-        .chain(experiment.robots.iter().map(truth))
+        .chain(experiment.robots.iter().map(attached))
         .collect(),
+        drive: settings.control.drive,
+        wheels: experiment.robots.iter().map(|robot| robot.wheels).collect(),
         metadata: BTreeMap::from([
             ("seed".to_owned(), settings.seed.to_string()),
             ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),

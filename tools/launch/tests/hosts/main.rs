@@ -11,7 +11,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use slipstream_bus::experiment::{Clock, OnDeath, Protocol};
-use slipstream_bus::message::{RobotIndex, TorqueCommand};
+use slipstream_bus::message::{DriveCommand, RobotIndex};
 use slipstream_bus::trace::{self, TraceRecord};
 use slipstream_bus::transport::BusError;
 use slipstream_bus::{Experiment, RobotModel, Settings};
@@ -358,9 +358,9 @@ fn an_answer_for_robots_of_another_host_is_refused() {
                 break round;
             }
         };
-        let commands = vec![TorqueCommand {
+        let commands = vec![DriveCommand {
             robot: 1,
-            ..TorqueCommand::default()
+            ..DriveCommand::default()
         }];
         send(
             home,

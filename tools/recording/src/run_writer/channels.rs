@@ -2,6 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use slipstream_bus::experiment::{Drive, WheelSource};
+
+use super::header::RunHeader;
 use crate::bag::{BagWriter, Channel};
 use crate::error::Result;
 use crate::ros::MessageType;
@@ -11,9 +14,15 @@ use crate::topics::{self, StreamMetadata, robot_topic};
 /// The topics of one robot.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum RobotTopic {
+    /// Torques.
     Command,
+    /// Twists.
+    TwistCommand,
     Encoders,
+    /// True angles and speeds, for viewers.
     Wheels,
+    /// Angles as a real robot sends them.
+    WheelAngles,
     Camera,
     Odometry,
     Imu,
@@ -41,21 +50,36 @@ pub(super) struct Channels {
 #[derive(Debug, Clone)]
 struct RobotChannels {
     name: String,
+    /// What the run may write.
+    topics: Vec<RobotTopic>,
     /// By [`RobotTopic`].
-    open: [Option<Channel>; 8],
+    open: [Option<Channel>; 10],
 }
 
 impl RobotTopic {
-    const ALL: [Self; 8] = [
-        Self::Command,
-        Self::Encoders,
-        Self::Wheels,
-        Self::Camera,
-        Self::Odometry,
-        Self::Imu,
-        Self::Truth,
-        Self::Contact,
-    ];
+    /// What a run may write of a robot.
+    fn of(drive: Drive, wheels: WheelSource) -> Vec<Self> {
+        let command = match drive {
+            Drive::Torque => Self::Command,
+            Drive::Twist => Self::TwistCommand,
+        };
+        let measured: &[Self] = match wheels {
+            WheelSource::Simulated => &[
+                Self::Encoders,
+                Self::Wheels,
+                Self::Camera,
+                Self::Odometry,
+                Self::Imu,
+                Self::Truth,
+                Self::Contact,
+            ],
+            WheelSource::Angles => &[Self::WheelAngles, Self::Camera, Self::Odometry],
+            WheelSource::Odometry => &[Self::Camera, Self::Odometry],
+        };
+        std::iter::once(command)
+            .chain(measured.iter().copied())
+            .collect()
+    }
 
     /// Message type, last part of the topic, and the stream that slipstream reads from the channel
     /// with its columns. Topics without a stream are for viewers.
@@ -72,12 +96,22 @@ impl RobotTopic {
                 "command",
                 Some((StreamKind::Command, "torque_right_nm,torque_left_nm")),
             ),
+            Self::TwistCommand => (
+                MessageType::TwistStamped,
+                "command",
+                Some((StreamKind::Command, "v_m_s,w_rad_s")),
+            ),
             Self::Encoders => (
                 MessageType::EncoderTicks,
                 "encoder_ticks",
                 Some((StreamKind::Wheels, "ticks_right,ticks_left")),
             ),
             Self::Wheels => (MessageType::JointState, "joint_states", None),
+            Self::WheelAngles => (
+                MessageType::JointState,
+                "joint_states",
+                Some((StreamKind::Wheels, "angle_right_rad,angle_left_rad")),
+            ),
             Self::Camera => (
                 MessageType::PoseStamped,
                 "pose",
@@ -139,11 +173,15 @@ impl SharedTopic {
 }
 
 impl Channels {
-    /// No open channels, for robots with these names.
-    pub(super) fn new(names: impl Iterator<Item = String>) -> Self {
-        let robots = names.map(|name| RobotChannels {
-            name,
-            open: [None; 8],
+    /// No open channels, for the robots of a run.
+    pub(super) fn new(run: &RunHeader) -> Self {
+        let wheels = run.wheels.iter().copied();
+        let wheels = wheels.chain(std::iter::repeat(WheelSource::Simulated));
+        let robots = run.description.robots.iter().zip(wheels);
+        let robots = robots.map(|(robot, wheels)| RobotChannels {
+            name: robot.name.clone(),
+            topics: RobotTopic::of(run.drive, wheels),
+            open: [None; 10],
         });
         Self {
             robots: robots.collect(),
@@ -154,7 +192,7 @@ impl Channels {
     /// Every topic that the run may write, with its type and its metadata.
     pub(super) fn topics(&self) -> Vec<(String, MessageType, BTreeMap<String, String>)> {
         let of_robots = self.robots.iter().flat_map(|robot| {
-            RobotTopic::ALL.map(|topic| {
+            robot.topics.iter().map(|topic| {
                 let (message_type, name, _) = topic.definition();
                 let metadata = topic.metadata(&robot.name);
                 (robot_topic(&robot.name, name), message_type, metadata)
@@ -186,7 +224,7 @@ impl Channels {
         robot: usize,
         topic: RobotTopic,
     ) -> Result<Option<Channel>> {
-        let Some(RobotChannels { name, open }) = self.robots.get_mut(robot) else {
+        let Some(RobotChannels { name, open, .. }) = self.robots.get_mut(robot) else {
             return Ok(None);
         };
         let slot = &mut open[topic as usize];

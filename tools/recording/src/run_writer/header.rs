@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use slipstream_bus::experiment::{Drive, WheelSource};
+
 use crate::recording::Recording;
 
 /// What is known about a run before it begins.
@@ -11,6 +13,10 @@ pub struct RunHeader {
     pub description: Recording,
     /// Files to attach, such as the experiment and the models of single robots.
     pub attachments: Vec<Attachment>,
+    /// What robots are told.
+    pub drive: Drive,
+    /// Where what the wheels of each robot do is known from. Robots without an entry are simulated.
+    pub wheels: Vec<WheelSource>,
     /// Further names and values, such as versions and the seed.
     pub metadata: BTreeMap<String, String>,
 }

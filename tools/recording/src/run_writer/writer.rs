@@ -75,10 +75,9 @@ impl<'a> RunWriter<'a> {
         metadata.insert("format".to_owned(), "1".to_owned());
         metadata.insert("kind".to_owned(), "run".to_owned());
         bag.metadata(topics::FILE_METADATA, metadata)?;
-        let robots = header.description.robots.iter();
         Ok(Self {
             bag,
-            channels: Channels::new(robots.map(|robot| robot.name.clone())),
+            channels: Channels::new(header),
             described,
         })
     }
@@ -107,6 +106,37 @@ impl<'a> RunWriter<'a> {
     ) -> Result<()> {
         let message = joint_state(t_ns, &[], &[], &torque_nm);
         self.write_robot(robot, RobotTopic::Command, t_ns, &message)
+    }
+
+    /// Commanded twist: forward speed (m/s), yaw rate (rad/s).
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn write_twist_command(
+        &mut self,
+        robot: usize,
+        t_ns: i64,
+        [v_m_s, w_rad_s]: [f64; 2],
+    ) -> Result<()> {
+        let message = ros::TwistStamped {
+            header: header(t_ns, ""),
+            twist: Twist::planar(v_m_s, 0.0, w_rad_s),
+        };
+        self.write_robot(robot, RobotTopic::TwistCommand, t_ns, &message)
+    }
+
+    /// Wheel angles (rad) as a real robot measures them.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn write_wheel_angles(
+        &mut self,
+        robot: usize,
+        t_ns: i64,
+        angle_rad: [f64; 2],
+    ) -> Result<()> {
+        let message = joint_state(t_ns, &angle_rad, &[], &[]);
+        self.write_robot(robot, RobotTopic::WheelAngles, t_ns, &message)
     }
 
     /// Encoder counts, signed and cumulative.
