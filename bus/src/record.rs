@@ -173,6 +173,12 @@ pub enum EventKind {
     PlantBack,
     /// A tick was skipped on the wall clock, because the one before it took too long.
     DeadlineMissed,
+    /// A real robot is not heard: it is told to stand.
+    RobotLost,
+    /// The agent of a real robot is silent: the robot is told to stand.
+    AgentSilent,
+    /// A real robot that was told to stand drives again.
+    RobotBack,
     /// The process died.
     Died,
     /// A restarted agent joined the run.
@@ -189,6 +195,9 @@ impl EventKind {
             Self::PlantLost => "the encoders went silent: no torque",
             Self::PlantBack => "the encoders are back",
             Self::DeadlineMissed => "a deadline was missed",
+            Self::RobotLost => "is not heard: told to stand",
+            Self::AgentSilent => "its agent is silent: told to stand",
+            Self::RobotBack => "drives again",
             Self::Died => "died",
             Self::Rejoined => "came back",
         }

@@ -101,6 +101,10 @@ pub struct Encoder {
 }
 
 impl Encoder {
+    /// An encoder that counts microradians, where nothing is known of the real one.
+    pub const MICRORADIANS: Self = Self {
+        counts_per_rev: std::f64::consts::TAU * 1e6,
+    };
     /// Counts per revolution that an encoder may have.
     pub const COUNTS: std::ops::RangeInclusive<f64> = 1.0..=4_294_967_295.0;
 }

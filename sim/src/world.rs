@@ -1,7 +1,7 @@
 //! N robots on one floor, with their sensors and noise. They do not interact.
 
 use slipstream_bus::time::{ns_from_s, s_from_ns};
-use slipstream_bus::{Camera, Imu, InputError, RobotModel, Sensors};
+use slipstream_bus::{Camera, Encoder, Imu, InputError, RobotModel, Sensors};
 
 use crate::integrate::State;
 use crate::parts::command::Command;
@@ -11,8 +11,8 @@ use crate::sensors::measurement::{Stream, counts};
 use crate::sensors::noise::{Noise, Purpose};
 use crate::sensors::sampler::{Sample, Sampler};
 
-/// Counts per revolution of an encoder that the model does not describe: microradians.
-const DEFAULT_COUNTS_PER_REV: f64 = std::f64::consts::TAU * 1e6;
+/// Counts per revolution of an encoder that the model does not describe.
+const DEFAULT_COUNTS_PER_REV: f64 = Encoder::MICRORADIANS.counts_per_rev;
 
 /// One robot at the start of a run.
 #[derive(Debug, Clone)]

@@ -41,6 +41,7 @@ impl Default for Settings {
             robots: Robots {
                 count: 3,
                 model: String::new(),
+                start: Vec::new(),
             },
             formation: Formation {
                 spacing_m: 0.6096,

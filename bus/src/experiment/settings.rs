@@ -94,6 +94,8 @@ pub struct Robots {
     pub count: u32,
     /// A robot.toml for all robots; empty: the paper's robot with wheel slip.
     pub model: String,
+    /// Where the robots start, from the front: x (m), y (m), yaw (rad) of c. Those without an entry stand in a row along x.
+    pub start: Vec<[f64; 3]>,
 }
 
 /// Coordination of the formation (section 4 of the paper).
@@ -302,13 +304,14 @@ impl Settings {
         }
     }
 
-    /// Initial pose of c of robot `index`: x = 0.6096 m (1 − index), as in section 4 of the paper;
-    /// an open-loop robot starts at the origin.
+    /// Initial pose of c of robot `index`: as given, else x = 0.6096 m (1 − index), as in section 4 of the paper; an
+    /// open-loop robot starts at the origin.
     pub fn start_pose(&self, index: u32) -> [f64; 3] {
         if self.open_loop.enabled {
             return [0.0; 3];
         }
-        [0.6096 * (1.0 - f64::from(index)), 0.0, 0.0]
+        let given = self.robots.start.get(index as usize).copied();
+        given.unwrap_or([0.6096 * (1.0 - f64::from(index)), 0.0, 0.0])
     }
 
     /// Expected duration of a token round without losses (ns): on each link the configured delay,

@@ -101,6 +101,12 @@ impl Settings {
             let problem = format!("is {}", self.robots.count);
             return invalid("robots.count", problem, format!("give 1 to {MAX_ROBOTS}"));
         }
+        for pose in &self.robots.start {
+            let values = pose.iter();
+            values
+                .copied()
+                .try_for_each(|value| within("robots.start", value, range::OFFSET_M))?;
+        }
         within("watchdog_s", self.watchdog_s, range::WATCHDOG_S)?;
         within("host_timeout_s", self.host_timeout_s, range::HOST_TIMEOUT_S)?;
         if self.on_death != OnDeath::Stop && self.clock == Clock::Virtual {

@@ -11,6 +11,7 @@ mod spacing;
 pub use changes::Changes;
 pub use lockstep::{Progress, command, lockstep, no_command};
 pub use observer::{Observer, PlantReport, RobotReport};
+pub use spacing::Spacing;
 
 use slipstream_bus::{Experiment, InputError};
 

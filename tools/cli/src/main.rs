@@ -23,8 +23,10 @@ mod print;
 mod progress;
 mod provenance;
 mod reading;
+mod real;
 mod reproduce;
 mod robot;
+mod robot_in_a_box;
 mod run;
 mod shard_files;
 mod study;
@@ -71,6 +73,7 @@ enum Command {
     Diagnose(diagnose::Arguments),
     Effects(effects::Arguments),
     Robot(robot::Arguments),
+    RobotInABox(robot_in_a_box::Arguments),
     Trace(trace::Arguments),
     Reproduce(reproduce::Arguments),
     Study(study::Arguments),
@@ -124,6 +127,7 @@ fn run() -> Result<Exit, Error> {
         Command::Diagnose(arguments) => diagnose::run(&arguments),
         Command::Effects(arguments) => effects::run(&arguments),
         Command::Robot(arguments) => robot::run(&arguments),
+        Command::RobotInABox(arguments) => robot_in_a_box::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
         Command::Study(arguments) => study::run(&arguments),
@@ -141,7 +145,7 @@ impl Command {
     fn finishes_after_a_signal(&self) -> bool {
         match self {
             Self::Run(arguments) => !arguments.in_process(),
-            Self::Study(_) | Self::Trial(_) | Self::Join(_) => true,
+            Self::Study(_) | Self::Trial(_) | Self::Join(_) | Self::RobotInABox(_) => true,
             _ => false,
         }
     }

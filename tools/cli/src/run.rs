@@ -10,7 +10,7 @@ use slipstream_launch::{
     resolve,
 };
 
-use crate::across::Listening;
+use crate::across::{Listening, require_network};
 use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
 use crate::habits::vacant;
@@ -18,7 +18,7 @@ use crate::output_file;
 use crate::print::{self, eprint_line};
 use crate::subject::Subject;
 use crate::viewers::{self, ADDRESS};
-use crate::{provenance, summary};
+use crate::{provenance, real, summary};
 
 /// Run an experiment: one process for the plant and one for the controller of each robot
 ///
@@ -51,6 +51,13 @@ pub(crate) struct Arguments {
     /// With --live: begin once a viewer has subscribed
     #[arg(long, requires = "live")]
     live_wait: bool,
+    /// Drive real robots in place of the simulated plant, on the wall clock: those of this robots.toml. Without --arm it is only
+    /// listened to them, and nothing moves
+    #[arg(long, value_name = "ROBOTS.toml", conflicts_with = "in_process")]
+    real: Option<PathBuf>,
+    /// With --real: the robots may move
+    #[arg(long, requires = "real")]
+    arm: bool,
     #[command(flatten)]
     listening: Listening,
     /// Write a page: paths, spacing, slip, messages and deadlines, from the recording
@@ -84,6 +91,13 @@ pub(crate) fn run(arguments: &Arguments, is_alone: bool) -> Result<Exit, Error> 
     if arguments.dry_run {
         print::out(format_args!("{}", resolved.to_toml()));
         return Ok(Exit::Done);
+    }
+    if let Some(lab) = &resolved.lab {
+        require_network("--real")?;
+        if !arguments.arm {
+            return real::look(&resolved, lab);
+        }
+        eprint_line!("armed: the robots drive as soon as all are heard; Ctrl-C stops them");
     }
     let run = if arguments.in_process {
         arguments.run_in_process(&resolved)
@@ -128,6 +142,7 @@ impl Arguments {
                 ClockName::Wall => Clock::Wall,
             }),
             seed: self.seed,
+            real: self.real.clone(),
             ..self.subject.request()
         })
     }
@@ -204,6 +219,7 @@ impl Arguments {
             live: std::io::stderr().is_terminal(),
             serve: self.serve(resolved)?,
             across: self.listening.across(resolved)?,
+            real: self.real.clone(),
             notice: |text| eprint_line!("slipstream: {text}"),
         };
         Ok(processes::run(resolved, &options)?)

@@ -3,9 +3,11 @@
 use std::fmt::Write as _;
 
 use slipstream_bus::Experiment;
-use slipstream_bus::experiment::{Clock, TorqueLimit};
+use slipstream_bus::experiment::{Clock, Drive, TorqueLimit};
 use slipstream_launch::summary::RobotSummary;
 use slipstream_launch::{RunStatus, RunSummary};
+
+use crate::real;
 
 /// Largest number of rows of a table. Of more robots, only the first and the last are shown.
 const MAX_ROWS: usize = 12;
@@ -26,7 +28,10 @@ fn write_text(
 ) -> std::fmt::Result {
     headline(out, run, experiment)?;
     robots(out, run)?;
-    slip(out, run)?;
+    match is_real(run) {
+        true => out.write_str(&real::text(run))?,
+        false => slip(out, run)?,
+    }
     links(out, run, experiment)?;
     deadlines(out, run)?;
     if let Some(recording) = &run.recording {
@@ -37,9 +42,17 @@ fn write_text(
     }
     match run.status {
         RunStatus::Done if is_alone => first_steps(out, run),
-        RunStatus::Done => suggestion(out, experiment),
+        RunStatus::Done => match &run.recording {
+            Some(recording) if is_real(run) => out.write_str(&real::suggestion(recording)),
+            _ => suggestion(out, experiment),
+        },
         RunStatus::Failed(_) | RunStatus::Interrupted => Ok(()),
     }
+}
+
+/// Whether real robots have driven.
+fn is_real(run: &RunSummary) -> bool {
+    run.robots.iter().any(|robot| robot.real.is_some())
 }
 
 fn headline(out: &mut String, run: &RunSummary, experiment: &Experiment) -> std::fmt::Result {
@@ -61,9 +74,10 @@ fn headline(out: &mut String, run: &RunSummary, experiment: &Experiment) -> std:
         (n, Clock::Wall) => format!("{n} processes on the wall clock"),
     };
     let (t, wall) = (run.duration_s, run.wall_s);
+    let verb = if is_real(run) { "driven" } else { "simulated" };
     writeln!(
         out,
-        "{name}: {robots}, {t:.2} s simulated{ended}; {how}, {wall:.2} s of wall time"
+        "{name}: {robots}, {t:.2} s {verb}{ended}; {how}, {wall:.2} s of wall time"
     )
 }
 
@@ -199,7 +213,9 @@ fn suggestion(out: &mut String, experiment: &Experiment) -> std::fmt::Result {
     } else {
         "platoon"
     };
-    let (command, why) = if settings.control.torque_limit == TorqueLimit::None {
+    let takes_torques = settings.control.drive == Drive::Torque;
+    let is_free = settings.control.torque_limit == TorqueLimit::None;
+    let (command, why) = if takes_torques && is_free {
         (
             "--set control.torque_limit=inner",
             "keeps the wheels from slipping",

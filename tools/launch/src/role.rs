@@ -8,6 +8,8 @@ use slipstream_ipc::wake_page::Member;
 pub(crate) enum Role {
     /// The physics of all robots.
     Plant,
+    /// In place of the plant: what stands before real robots.
+    Robots,
     /// The controller of one robot.
     Agent(RobotIndex),
     /// The writer of the recording.
@@ -23,6 +25,7 @@ impl Role {
     pub(crate) fn argument(self) -> &'static str {
         match self {
             Self::Plant => "plant",
+            Self::Robots => "robots",
             Self::Agent(_) => "agent",
             Self::Recorder => "recorder",
             Self::StandIn(_) => "hosts",
@@ -33,7 +36,7 @@ impl Role {
     /// The process on the wake-up page.
     pub(crate) fn member(self) -> Member {
         match self {
-            Self::Plant | Self::Relay => Member::Plant,
+            Self::Plant | Self::Robots | Self::Relay => Member::Plant,
             Self::Agent(robot) | Self::StandIn(robot) => Member::Agent(robot as usize),
             Self::Recorder => Member::Recorder,
         }
@@ -43,13 +46,13 @@ impl Role {
     pub(crate) fn robot(self) -> Option<RobotIndex> {
         match self {
             Self::Agent(robot) => Some(robot),
-            Self::Plant | Self::Recorder | Self::StandIn(_) | Self::Relay => None,
+            Self::Plant | Self::Robots | Self::Recorder | Self::StandIn(_) | Self::Relay => None,
         }
     }
 
     /// Whether it leads the rounds of its host.
     pub(crate) fn leads(self) -> bool {
-        matches!(self, Self::Plant | Self::Relay)
+        matches!(self, Self::Plant | Self::Robots | Self::Relay)
     }
 
     /// Whether it ends after all others, because it keeps what they leave.
@@ -57,7 +60,7 @@ impl Role {
         matches!(self, Self::Recorder | Self::Relay)
     }
 
-    /// Name of the process: `plant`, `recorder`, `hosts`, `relay`, or the robot's name.
+    /// Name of the process: `plant`, `robots`, `recorder`, `hosts`, `relay`, or the robot's name.
     pub(crate) fn name(self) -> String {
         self.robot()
             .map_or_else(|| self.argument().to_owned(), robot_name)

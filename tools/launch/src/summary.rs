@@ -11,6 +11,8 @@ use slipstream_bus::experiment::Clock;
 use slipstream_bus::link::LinkCounts;
 use slipstream_bus::message::{RobotIndex, robot_name};
 use slipstream_ipc::clock::{Deadlines, RealTime};
+use slipstream_robots::fleet::RobotReport;
+use slipstream_robots::process::RobotsOutcome;
 use slipstream_sim::run::PlantReport;
 use slipstream_sim::run::process::PlantOutcome;
 
@@ -86,7 +88,7 @@ pub struct Process {
 pub struct RobotSummary {
     /// Its name.
     pub robot: String,
-    /// True pose of c at the end: x (m), y (m), yaw (rad).
+    /// True pose of c at the end: x (m), y (m), yaw (rad). Of a real robot the last one that was measured.
     pub final_true: Option<[f64; 3]>,
     /// The same by odometry; `None` if its agent died.
     pub final_odometry: Option<[f64; 3]>,
@@ -98,6 +100,9 @@ pub struct RobotSummary {
     pub max_spacing_error_m: Option<f64>,
     /// Largest desired speed before limiting (m/s).
     pub max_desired_speed_m_s: Option<f64>,
+    /// What was heard of a real robot and what it was told; `None` in simulation.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub real: Option<RobotReport>,
 }
 
 /// Message counts of a link.
@@ -187,6 +192,25 @@ impl RunSummary {
     }
 }
 
+impl RunSummary {
+    /// Adds what the process of real robots reports. Poses and spacing are those that were measured.
+    pub(crate) fn add_real(&mut self, outcome: &RobotsOutcome) {
+        self.duration_s = outcome.duration_s;
+        self.start_up_s = outcome.start_up_s;
+        self.loop_s = outcome.loop_s;
+        self.lost_records += outcome.lost_records;
+        let spacing = &outcome.max_spacing_error_m;
+        let reports = outcome.robots.iter().zip(spacing);
+        for (own, (report, spacing_m)) in self.robots.iter_mut().zip(reports) {
+            own.final_true = report.last_pose;
+            own.max_spacing_error_m = *spacing_m;
+            own.real = Some(report.clone());
+        }
+        let agents = self.real_time.unwrap_or(outcome.real_time);
+        self.real_time = Some(agents.both(outcome.real_time));
+    }
+}
+
 impl Process {
     pub(crate) fn new(role: Role, pid: u32) -> Self {
         Self {
@@ -234,6 +258,7 @@ fn robots(
             max_slip_m_s: truth.map(|truth| truth.max_slip_m_s),
             max_spacing_error_m: truth.and_then(|truth| truth.max_spacing_error_m),
             max_desired_speed_m_s: agent.map(|agent| agent.max_desired_speed_m_s),
+            real: None,
         }
     };
     experiment.robots.iter().enumerate().map(robot).collect()

@@ -110,6 +110,7 @@ pub use open::{
 };
 pub use pieces::Pieces;
 pub use recording::Recording;
+pub use ros::wire;
 pub use rows::Disk;
 pub use slipstream_bus::InputError;
 pub use table::{ColumnSet, LINKS, ROUND_TRIPS, StreamKind, TIME};

@@ -200,6 +200,7 @@ fn run_once(plan: &Plan, resolved: &Resolved) -> Result<RunSummary, StudyError> 
         live: false,
         serve: None,
         across: None,
+        real: None,
         // What fails is the error of the sweep.
         notice: |_| (),
     };

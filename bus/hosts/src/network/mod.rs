@@ -7,10 +7,14 @@ mod keys;
 #[cfg(feature = "zenoh")]
 mod refusals;
 #[cfg(feature = "zenoh")]
+mod session;
+#[cfg(feature = "zenoh")]
 mod zenoh;
 
 #[cfg(feature = "zenoh")]
 pub use self::keys::{check as check_certificates, make as make_certificates};
+#[cfg(feature = "zenoh")]
+pub use self::session::{Ends, open_session};
 #[cfg(feature = "zenoh")]
 pub use self::zenoh::{ask, connect, listen};
 

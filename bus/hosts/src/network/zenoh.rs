@@ -15,10 +15,10 @@ use zenoh::pubsub::Publisher;
 use zenoh::qos::{CongestionControl, Priority};
 use zenoh::query::Query;
 use zenoh::sample::{Sample, SampleKind};
-use zenoh::{Config, Session, Wait};
+use zenoh::{Session, Wait};
 
-use super::keys::{AUTHORITY, CERTIFICATE, KEY};
 use super::refusals;
+use super::session::{endpoint, open};
 use crate::address::{Address, Security};
 use crate::carrier::{Event, HostCarrier, PlantCarrier};
 use crate::frame::{MAX_BYTES, decode, encode};
@@ -28,8 +28,6 @@ use crate::hello::{Hello, Welcome};
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 /// Pause between two attempts to connect.
 const CONNECT_PAUSE: Duration = Duration::from_millis(200);
-/// Time for one attempt to connect (ms).
-const OPEN_TIMEOUT_MS: u32 = 3000;
 /// Time after which Zenoh ends a silent connection (ms): never before `host_timeout_s`, which decides.
 const LEASE_MS: u32 = 3_600_000;
 /// Time for an answer of the plant's host once connected.
@@ -54,7 +52,7 @@ pub fn listen(
     let failed = failed(address);
     let endpoint = endpoint(address, security);
     let listen = format!("listen: {{ endpoints: [{endpoint:?}], exit_on_failure: true }}");
-    let session = open(&listen, security).map_err(&failed)?;
+    let session = open(&listen, security, LEASE_MS).map_err(&failed)?;
     let (sender, events) = channel();
     refusals::tell(sender.clone());
     declare_all(&session, &sender).map_err(&failed)?;
@@ -180,39 +178,7 @@ fn open_to(address: &Address, security: &Security, timeout: Duration) -> zenoh::
          retry: {{ period_init_ms: 200, period_max_ms: 200, period_increase_factor: 1 }} }}, \
          listen: {{ endpoints: [] }}"
     );
-    open(&connect, security)
-}
-
-fn endpoint(address: &Address, security: &Security) -> String {
-    let protocol = match security {
-        Security::Tls(_) => "tls",
-        Security::Loopback | Security::Insecure => "tcp",
-    };
-    format!("{protocol}/{}", address.place())
-}
-
-/// Opens a session. `ends`: where it listens or connects to, as a part of its configuration.
-fn open(ends: &str, security: &Security) -> zenoh::Result<Session> {
-    let tls = match security {
-        Security::Tls(folder) => {
-            let file = |name: &str| folder.join(name).display().to_string();
-            let (authority, certificate, key) = (file(AUTHORITY), file(CERTIFICATE), file(KEY));
-            // One certificate serves all hosts of a run, whatever their addresses.
-            format!(
-                ", tls: {{ root_ca_certificate: {authority:?}, \
-                 listen_private_key: {key:?}, listen_certificate: {certificate:?}, \
-                 connect_private_key: {key:?}, connect_certificate: {certificate:?}, \
-                 enable_mtls: true, verify_name_on_connect: false }}"
-            )
-        }
-        Security::Loopback | Security::Insecure => String::new(),
-    };
-    let config = Config::from_json5(&format!(
-        "{{ mode: \"peer\", scouting: {{ multicast: {{ enabled: false }}, gossip: {{ enabled: false }} }}, \
-         {ends}, transport: {{ unicast: {{ open_timeout: {OPEN_TIMEOUT_MS} }}, \
-         link: {{ tx: {{ lease: {LEASE_MS} }}{tls} }} }} }}"
-    ))?;
-    zenoh::open(config).wait()
+    open(&connect, security, LEASE_MS)
 }
 
 /// Publishers for frames to one host: at once and in order.

@@ -16,6 +16,7 @@ use slipstream_hosts::stand_in::StandInOutcome;
 use slipstream_ipc::join::ProcessStatus;
 use slipstream_ipc::report;
 use slipstream_ipc::run_directory::RunDirectory;
+use slipstream_robots::process::RobotsOutcome;
 use slipstream_sim::run::process::PlantOutcome;
 
 use super::silence::Silence;
@@ -222,6 +223,7 @@ impl ChildProcess {
         }
         let ended = match self.role {
             Role::Plant => report::read(folder, &name).map(|plant: PlantOutcome| plant.ended),
+            Role::Robots => report::read(folder, &name).map(|robots: RobotsOutcome| robots.ended),
             Role::Agent(_) => report::read(folder, &name).map(|agent: AgentOutcome| agent.ended),
             Role::StandIn(_) => report::read(folder, &name).map(|own: StandInOutcome| own.ended),
             Role::Relay => report::read(folder, &name).map(|own: RelayOutcome| own.ended),

@@ -19,6 +19,8 @@ pub struct Options {
     pub serve: Option<Serve>,
     /// The other hosts, if the agents of some robots run on them.
     pub across: Option<Across>,
+    /// `robots.toml`, if real robots take the place of the plant.
+    pub real: Option<PathBuf>,
     /// Says what went wrong, as soon as it has.
     pub notice: fn(&str),
 }

@@ -8,6 +8,7 @@ use slipstream_hosts::hello::RemoteHost;
 use slipstream_hosts::stand_in::StandInOutcome;
 use slipstream_ipc::clock::Deadlines;
 use slipstream_ipc::report;
+use slipstream_robots::process::RobotsOutcome;
 use slipstream_sim::run::process::PlantOutcome;
 
 use super::belongings;
@@ -42,6 +43,11 @@ impl Run<'_> {
             summary.duration_s = s_from_ns(self.wake_page.progress().0);
         }
         summary.add_timing(plant.as_ref(), &agents);
+        let robots: Option<RobotsOutcome> =
+            report::read(self.directory.folder(), &Role::Robots.name());
+        if let Some(robots) = &robots {
+            summary.add_real(robots);
+        }
         if settings.clock == Clock::Wall {
             summary.deadlines = self.deadlines(plant.as_ref(), &agents, summary.duration_s);
         }
@@ -96,7 +102,10 @@ impl Run<'_> {
         let step = ("step", ns_from_s(settings.plant.step_s));
         let loops = [("outer", schedule.outer_ns), ("inner", schedule.inner_ns)];
         let reported = plant.and_then(|plant| plant.deadlines);
-        let mut all = self.loops_of(Role::Plant, &[step], reported.map(|step| vec![step]), end_s);
+        let mut all = match self.part.is_real() {
+            true => Vec::new(),
+            false => self.loops_of(Role::Plant, &[step], reported.map(|step| vec![step]), end_s),
+        };
         for (role, agent) in (0..).map(Role::Agent).zip(agents) {
             let reported = agent.as_ref().and_then(|agent| agent.deadlines);
             all.extend(self.loops_of(role, &loops, reported.map(Vec::from), end_s));

@@ -27,7 +27,10 @@ impl Part<'_> {
         match self {
             Self::Home(options, _) => {
                 let elsewhere = options.robots_elsewhere();
-                roles.push(Role::Plant);
+                roles.push(match options.real {
+                    Some(_) => Role::Robots,
+                    None => Role::Plant,
+                });
                 roles.extend(options.out.as_ref().map(|_| Role::Recorder));
                 roles.extend(elsewhere.first().map(|&first| Role::StandIn(first)));
                 let robots = 0..experiment.settings.robots.count;
@@ -79,10 +82,16 @@ impl Part<'_> {
         }
     }
 
+    /// Whether real robots take the place of the plant.
+    pub(super) fn is_real(self) -> bool {
+        matches!(self, Self::Home(options, _) if options.real.is_some())
+    }
+
     /// Arguments of one role alone.
     pub(super) fn arguments(self, role: Role) -> Vec<OsString> {
         match (self, role) {
             (Self::Home(options, _), Role::Recorder) => options.recorder_arguments(),
+            (Self::Home(options, _), Role::Robots) => options.robots_arguments(),
             (Self::Home(options, _), Role::StandIn(_)) => options.stand_in_arguments(),
             (Self::Away(away), Role::Relay) => away.relay_arguments(),
             _ => Vec::new(),
@@ -115,6 +124,11 @@ impl Options {
             arguments.extend(serve.waits.then(|| "--waits".into()));
         }
         arguments
+    }
+
+    fn robots_arguments(&self) -> Vec<OsString> {
+        let lab = self.real.iter();
+        lab.flat_map(|lab| ["--lab".into(), lab.into()]).collect()
     }
 
     fn stand_in_arguments(&self) -> Vec<OsString> {

@@ -16,6 +16,8 @@ use slipstream_hosts::stand_in::StandIn;
 use slipstream_ipc::join::ProcessStatus;
 use slipstream_ipc::presence::Parent;
 use slipstream_ipc::{part, report};
+use slipstream_robots::lab::Lab;
+use slipstream_robots::process as robots;
 use slipstream_sim::run::process as plant;
 
 use super::away::HOST;
@@ -33,6 +35,14 @@ use crate::run_files::read_keys;
 enum RoleArguments {
     /// The physics of all robots.
     Plant(Membership),
+    /// In place of the plant: what stands before real robots.
+    Robots {
+        #[command(flatten)]
+        membership: Membership,
+        /// The file robots.toml.
+        #[arg(long)]
+        lab: PathBuf,
+    },
     /// The writer of the recording.
     Recorder {
         #[command(flatten)]
@@ -122,6 +132,7 @@ impl Membership {
 pub fn is_role(arguments: &[OsString]) -> bool {
     let roles = [
         Role::Plant,
+        Role::Robots,
         Role::Agent(0),
         Role::Recorder,
         Role::StandIn(0),
@@ -161,6 +172,11 @@ impl RoleArguments {
         let launcher = membership.launcher;
         match self {
             Self::Plant(_) => self.report(&plant::run(run, launcher, recording)?),
+            Self::Robots { lab, .. } => {
+                let lab = Lab::read(lab).map_err(|error| BusError::failed("robots", error))?;
+                let notice = |text: &str| print_problem(self, text);
+                self.report(&robots::run(run, launcher, recording, &lab, &notice)?)
+            }
             Self::Recorder {
                 out, serve, waits, ..
             } => {
@@ -218,6 +234,7 @@ impl RoleArguments {
     fn membership(&self) -> &Membership {
         match self {
             Self::Plant(membership)
+            | Self::Robots { membership, .. }
             | Self::Recorder { membership, .. }
             | Self::Hosts { membership, .. }
             | Self::Relay { membership, .. } => membership,
@@ -228,6 +245,7 @@ impl RoleArguments {
     fn name(&self) -> String {
         match self {
             Self::Plant(_) => Role::Plant.name(),
+            Self::Robots { .. } => Role::Robots.name(),
             Self::Recorder { .. } => Role::Recorder.name(),
             Self::Hosts { .. } => Role::StandIn(0).name(),
             Self::Relay { .. } => Role::Relay.name(),

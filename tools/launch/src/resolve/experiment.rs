@@ -5,12 +5,13 @@ use std::path::Path;
 use slipstream_bus::experiment::{Clock, EVERY_ROBOT};
 use slipstream_bus::message::robot_name;
 use slipstream_bus::{Experiment, InputError, Settings};
+use slipstream_robots::lab::Lab;
 use toml::Value;
 
 use super::key_tree::{BUILT_IN, KeyTree};
 use super::request::{Origin, Request, Resolved};
 use super::robots::{check, robots};
-use super::{keys, round_trips};
+use super::{keys, lab, round_trips};
 use crate::program::{Program, Programs};
 
 /// Resolves a request: a built-in experiment, a file over it, arguments over both.
@@ -19,6 +20,14 @@ use crate::program::{Program, Programs};
 /// A key, value or file that cannot be used.
 pub fn resolve(request: &Request) -> Result<Resolved, InputError> {
     let mut tree = base(request.experiment.as_deref())?;
+    let mut lab = request.real.as_deref().map(Lab::read).transpose()?;
+    let models = match &lab {
+        Some(lab) => {
+            lab::set_keys(lab, &mut tree)?;
+            lab::models(lab, &request.models)
+        }
+        None => request.models.clone(),
+    };
     for (key, value) in &request.set {
         let argument = Origin::Argument(format!("--set {key}={value}"));
         tree.set(key, keys::parse_value(value), &argument)?;
@@ -62,15 +71,18 @@ pub fn resolve(request: &Request) -> Result<Resolved, InputError> {
     }
     let settings = tree.settings()?;
     settings.validate().map_err(|error| located(&tree, error))?;
-    let experiment = Experiment {
-        robots: robots(&settings, &tree, &request.models)?,
+    let mut experiment = Experiment {
+        robots: robots(&settings, &tree, &models)?,
         half_round_trips_ns: match settings.links.trace.as_str() {
             "" => Vec::new(),
             trace => round_trips::read(&tree.path("links.trace", trace))?,
         },
         settings,
     };
-    check(&experiment, &request.models)?;
+    if let Some(lab) = &mut lab {
+        lab::apply(lab, &mut experiment)?;
+    }
+    check(&experiment, &models)?;
     let began = slipstream_sim::run::Changes::new(&experiment);
     began.map_err(|error| located(&tree, error))?;
     Ok(Resolved {
@@ -78,6 +90,7 @@ pub fn resolve(request: &Request) -> Result<Resolved, InputError> {
         experiment,
         keys: tree.listing(),
         assumptions: tree.assumptions(),
+        lab,
     })
 }
 

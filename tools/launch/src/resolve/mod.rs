@@ -3,6 +3,7 @@
 mod experiment;
 mod key_tree;
 mod keys;
+mod lab;
 mod request;
 mod robots;
 mod round_trips;

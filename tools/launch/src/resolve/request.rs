@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use slipstream_bus::Experiment;
 use slipstream_bus::experiment::Clock;
+use slipstream_robots::lab::Lab;
 
 use crate::program::Programs;
 
@@ -26,6 +27,8 @@ pub struct Request {
     pub clock: Option<Clock>,
     /// The seed.
     pub seed: Option<u64>,
+    /// `robots.toml`: real robots take the place of the plant.
+    pub real: Option<PathBuf>,
 }
 
 /// An experiment ready to run.
@@ -39,6 +42,8 @@ pub struct Resolved {
     pub programs: Programs,
     /// Assumptions of the experiment, by name.
     pub assumptions: Vec<Assumption>,
+    /// The real robots that take the place of the plant.
+    pub lab: Option<Lab>,
 }
 
 /// An assumption: something unknown, the value taken for it, and the reason.

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use slipstream_agents::{AgentContext, Node, Paper};
-use slipstream_bus::experiment::Settings;
+use slipstream_agents::{AgentContext, Geometry, Node, Paper};
+use slipstream_bus::experiment::{Drive, Settings};
 use slipstream_bus::message::{RobotIndex, robot_name};
-use slipstream_bus::{Experiment, InputError, RobotModel, RobotSetup};
+use slipstream_bus::{Encoder, Experiment, InputError, RobotModel, RobotSetup};
 use slipstream_recording::robot_file;
 
 use super::key_tree::KeyTree;
@@ -50,6 +50,13 @@ pub(super) fn robots(
         };
         robot.model = described.model()?;
     }
+    for robot in &mut robots {
+        // Robots that are told twists say what their wheels have turned; that needs no encoder of a known resolution.
+        let is_told_twists = settings.control.drive == Drive::Twist;
+        if is_told_twists && robot.model.encoder.is_none() {
+            robot.model.encoder = Some(Encoder::MICRORADIANS);
+        }
+    }
     Ok(robots)
 }
 
@@ -80,6 +87,15 @@ pub(super) fn check(
     };
     slipstream_sim::run::world(experiment).map_err(|error| located(None, error))?;
     for (index, robot) in (0..).zip(&experiment.robots) {
+        if experiment.settings.control.drive == Drive::Torque
+            && Geometry::new(&robot.model).is_ok_and(|own| own.dynamics.is_none())
+        {
+            let problem = "lacks masses and lengths, and torques move nothing without them";
+            let remedy =
+                "give all of [robot], or tell its robots twists: --set control.drive=twist";
+            let error = InputError::new("[robot]", problem, remedy);
+            return Err(located(Some(&robot.name), error));
+        }
         node(experiment, index).map_err(|error| located(Some(&robot.name), error))?;
     }
     Ok(())

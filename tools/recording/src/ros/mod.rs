@@ -10,6 +10,7 @@ mod numbers;
 pub(crate) mod position;
 mod ros1;
 pub(crate) mod time;
+pub mod wire;
 
 pub(crate) use definitions::MessageType;
 pub(crate) use encoding::Encoding;

@@ -1,0 +1,192 @@
+//! Fleet: the robots of a run between their agents and their topics.
+//!
+//! It has no I/O, clock or threads. Times are ns of the run's clock, negative before the run begins. Every twist that
+//! leaves it is within the limits of `robots.toml`, and follows the last one with their accelerations. A robot is told
+//! to stand while the run has not begun or is over, while it is not heard for `control.watchdog_s`, and while its agent
+//! is silent.
+
+mod link;
+mod report;
+mod stamps;
+mod wheels;
+
+use slipstream_bus::Experiment;
+use slipstream_bus::message::{DriveCommand, Encoders};
+use slipstream_bus::record::Recorder;
+use slipstream_bus::time::ns_from_s;
+
+use self::link::Link;
+pub use self::link::Standing;
+pub use self::report::RobotReport;
+use crate::lab::{Lab, LabRobot};
+use crate::topics::{MessageType, Topic};
+
+/// Number of outer periods without a command after which an agent is silent.
+const SILENT_PERIODS: f64 = 3.0;
+
+/// The robots of a run.
+#[derive(Debug)]
+pub struct Fleet {
+    links: Vec<Link>,
+    /// The place of each heard topic: robot, and what it tells.
+    heard: Vec<(usize, Content)>,
+    stopped: bool,
+}
+
+/// What a topic tells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Content {
+    /// What the wheels do.
+    Wheels,
+    /// Where the robot is.
+    Pose,
+}
+
+/// A robot whose state has changed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Change {
+    /// Index of the robot.
+    pub robot: usize,
+    /// Why it stands; `None`: it drives.
+    pub standing: Option<Standing>,
+}
+
+impl Fleet {
+    /// The robots of a lab in an experiment, which has as many.
+    pub fn new(experiment: &Experiment, lab: &Lab) -> Self {
+        let settings = &experiment.settings;
+        let silent_s = SILENT_PERIODS * settings.control.outer_period_s;
+        let silences = link::Silences {
+            agent_ns: ns_from_s(settings.plant.command_timeout_s.max(silent_s)),
+            robot_ns: ns_from_s(settings.control.watchdog_s),
+            period_ns: ns_from_s(settings.control.outer_period_s),
+        };
+        let pairs = experiment.robots.iter().zip(&lab.robots);
+        let heard = pairs.clone().enumerate().flat_map(|(robot, (_, own))| {
+            let pose = own.pose.as_ref().map(|_| (robot, Content::Pose));
+            [Some((robot, Content::Wheels)), pose].into_iter().flatten()
+        });
+        Self {
+            heard: heard.collect(),
+            links: pairs
+                .enumerate()
+                .map(|(robot, (setup, own))| Link::new(robot, setup, own, silences))
+                .collect(),
+            stopped: false,
+        }
+    }
+
+    /// The topics that are heard, in the order of their places.
+    pub fn heard_topics(lab: &Lab) -> Vec<Topic> {
+        let of = |robot: &LabRobot| {
+            let wheels = Topic {
+                name: robot.wheels.topic().to_owned(),
+                message: match robot.wheels {
+                    crate::lab::WheelTopic::Joints { .. } => MessageType::JointState,
+                    crate::lab::WheelTopic::Odometry { .. } => MessageType::Odometry,
+                },
+            };
+            let pose = robot.pose.as_ref().map(|pose| Topic {
+                name: pose.topic.clone(),
+                message: MessageType::PoseStamped,
+            });
+            [Some(wheels), pose].into_iter().flatten()
+        };
+        lab.robots.iter().flat_map(of).collect()
+    }
+
+    /// The topics that are published, by robot.
+    pub fn command_topics(lab: &Lab) -> Vec<Topic> {
+        let of = |robot: &LabRobot| Topic {
+            name: robot.command.topic.clone(),
+            message: match robot.command.is_stamped {
+                true => MessageType::TwistStamped,
+                false => MessageType::Twist,
+            },
+        };
+        lab.robots.iter().map(of).collect()
+    }
+
+    /// Takes a message of the topic at `place` that arrived at `arrived_ns`. Returns whether it was one about wheels.
+    pub fn hear(
+        &mut self,
+        place: usize,
+        payload: &[u8],
+        arrived_ns: i64,
+        recorder: &mut impl Recorder,
+    ) -> bool {
+        let Some(&(robot, content)) = self.heard.get(place) else {
+            return false;
+        };
+        let Some(link) = self.links.get_mut(robot) else {
+            return false;
+        };
+        link.hear(content, payload, arrived_ns, recorder);
+        content == Content::Wheels
+    }
+
+    /// Takes a command of an agent that arrived at `now_ns`.
+    pub fn tell(&mut self, command: &DriveCommand, now_ns: i64) {
+        if let Some(link) = self.links.get_mut(command.robot as usize) {
+            link.tell(command, now_ns);
+        }
+    }
+
+    /// From now on the run goes on: time 0 is what was `later_ns` before, counts begin at 0, and robots may drive.
+    pub fn begin(&mut self, later_ns: i64) {
+        for link in &mut self.links {
+            link.begin(later_ns);
+        }
+    }
+
+    /// From now on all robots stand.
+    pub fn stop(&mut self) {
+        self.stopped = true;
+    }
+
+    /// The twist that a robot is to be told now, if there is anything to tell: [v (m/s), w (rad/s)].
+    pub fn due(
+        &mut self,
+        robot: usize,
+        now_ns: i64,
+        recorder: &mut impl Recorder,
+    ) -> Option<[f64; 2]> {
+        let stopped = self.stopped;
+        let link = self.links.get_mut(robot)?;
+        link.due(now_ns, stopped, recorder)
+    }
+
+    /// What has changed since the last call.
+    pub fn changes(&mut self) -> Vec<Change> {
+        let changed = self.links.iter_mut().enumerate();
+        let changed = changed.filter_map(|(robot, link)| {
+            let standing = link.changed()?;
+            Some(Change { robot, standing })
+        });
+        changed.collect()
+    }
+
+    /// The encoders of all robots, for their agents.
+    pub fn encoders(&self) -> Vec<Encoders> {
+        self.links.iter().map(Link::encoders).collect()
+    }
+
+    /// The robots from which nothing has come of the topic of their wheels, or of their poses.
+    pub fn unheard(&self) -> Vec<(usize, Content)> {
+        let is_unheard = |&&(robot, content): &&(usize, Content)| {
+            let link = self.links.get(robot);
+            link.is_some_and(|link| !link.has_heard(content))
+        };
+        self.heard.iter().filter(is_unheard).copied().collect()
+    }
+
+    /// The last pose of each robot: x (m), y (m), yaw (rad) of c.
+    pub fn poses(&self) -> Vec<Option<[f64; 3]>> {
+        self.links.iter().map(Link::pose).collect()
+    }
+
+    /// What became of each robot.
+    pub fn reports(&self) -> Vec<RobotReport> {
+        self.links.iter().map(Link::report).collect()
+    }
+}

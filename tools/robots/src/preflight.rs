@@ -1,0 +1,86 @@
+//! Before robots drive: what is heard of them, while nothing is told to any.
+
+use std::time::{Duration, Instant};
+
+use slipstream_bus::Experiment;
+use slipstream_bus::record::NoRecorder;
+use slipstream_bus::transport::BusError;
+use slipstream_ipc::clock::{Monotonic, WallClock};
+
+use crate::fleet::{Fleet, RobotReport};
+use crate::lab::Lab;
+use crate::topics::{self, Opening};
+
+/// What was heard of a robot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Heard {
+    /// Its name.
+    pub robot: String,
+    /// Messages about its wheels in a second; 0 if it was not heard.
+    pub wheels_hz: f64,
+    /// Poses in a second; `None` where nobody tracks it.
+    pub poses_hz: Option<f64>,
+    /// Distance of its last pose from where it has to stand at the start (m).
+    pub from_start_m: Option<f64>,
+    /// The same of its heading (rad), in [−π, π].
+    pub from_start_rad: Option<f64>,
+    /// The first message that could not be read, in words.
+    pub problem: Option<String>,
+}
+
+impl Heard {
+    /// Whether all that is needed to drive it is heard.
+    pub fn is_ready(&self) -> bool {
+        self.wheels_hz > 0.0 && self.poses_hz != Some(0.0) && self.problem.is_none()
+    }
+}
+
+/// Listens to the robots of an experiment for so long. Nothing is published.
+///
+/// # Errors
+/// The network cannot be used.
+pub fn listen(experiment: &Experiment, lab: &Lab, time: Duration) -> Result<Vec<Heard>, BusError> {
+    let opening = Opening {
+        connect: lab.addresses(),
+        listen: Vec::new(),
+        security: &lab.security,
+        wire: lab.wire,
+        published: Vec::new(),
+        heard: Fleet::heard_topics(lab),
+    };
+    let mut topics = topics::open(&opening)?;
+    let mut fleet = Fleet::new(experiment, lab);
+    let start = Monotonic::now();
+    let (clock, begin) = (WallClock::new(start), Instant::now());
+    while begin.elapsed() < time {
+        if let Some(heard) = topics.receive(Duration::from_millis(20)) {
+            let arrived_ns = heard.arrived.to_shared() - start.to_shared();
+            fleet.hear(heard.place, &heard.payload, arrived_ns, &mut NoRecorder);
+        }
+    }
+    let seconds = clock.now_ns() as f64 * 1e-9;
+    let robots = experiment.robots.iter().zip(&lab.robots);
+    let heard = robots.zip(fleet.reports());
+    let heard = heard.map(|((setup, lab), report)| {
+        let RobotReport {
+            wheels,
+            poses,
+            problem,
+            last_pose,
+            ..
+        } = report;
+        let [x, y, yaw] = setup.pose;
+        Heard {
+            robot: lab.name.clone(),
+            wheels_hz: wheels.messages as f64 / seconds,
+            poses_hz: lab.pose.is_some().then(|| poses.messages as f64 / seconds),
+            from_start_m: last_pose.map(|own| (own[0] - x).hypot(own[1] - y)),
+            from_start_rad: last_pose.map(|own| {
+                let (sin, cos) = (own[2] - yaw).sin_cos();
+                sin.atan2(cos)
+            }),
+            problem,
+        }
+    });
+    Ok(heard.collect())
+}
