@@ -31,7 +31,7 @@ const HEARD_WITHIN: Duration = Duration::from_secs(10);
 /// Time between all robots being heard and time 0 of the run (ns).
 const START_DELAY_NS: i64 = 100_000_000;
 /// Longest wait for a message before commands and silences are looked at.
-const LOOK_INTERVAL: Duration = Duration::from_millis(1);
+const LOOK_INTERVAL: Duration = Duration::from_micros(250);
 /// How long robots are told to stand at the end of a run.
 const LEAVE_FOR: Duration = Duration::from_millis(300);
 /// Spacing errors count from this time on (ns), as in simulation.

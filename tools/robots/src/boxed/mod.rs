@@ -7,5 +7,5 @@
 mod process;
 mod robot;
 
-pub use self::process::{BoxError, BoxOptions, BoxReport, run};
+pub use self::process::{BoxError, BoxOptions, BoxReport, run, run_over};
 pub use self::robot::BoxedRobot;

@@ -32,6 +32,8 @@ pub struct BoxOptions<'a> {
     pub command_timeout_s: f64,
     /// Seed of its noise.
     pub seed: u64,
+    /// From then on it sends nothing (s), to try what a run does.
+    pub silent_from_s: Option<f64>,
 }
 
 /// What a box has seen.
@@ -93,6 +95,20 @@ pub fn run(
         published: std::iter::once(wheels).chain(pose).collect(),
         heard: vec![command],
     })?;
+    run_over(topics, robot, options, log, goes_on)
+}
+
+/// As [`run`], over topics that are open: wheels and pose are published at places 0 and 1, commands are heard.
+///
+/// # Errors
+/// Its model cannot be simulated.
+pub fn run_over(
+    topics: Box<dyn Topics>,
+    robot: &LabRobot,
+    options: &BoxOptions<'_>,
+    log: &mut dyn Write,
+    goes_on: &mut dyn FnMut() -> bool,
+) -> Result<BoxReport, BoxError> {
     let timeout_ns = (options.command_timeout_s * 1e9) as i64;
     let (pose, camera) = (options.pose, options.camera.clone());
     let own = BoxedRobot::new(
@@ -111,6 +127,9 @@ pub fn run(
         start_system_ns: system_ns(),
         period_ns: (1e9 / options.wheels_hz) as i64,
         due_ns: 0,
+        silent_from_ns: options
+            .silent_from_s
+            .map_or(i64::MAX, |own| (own * 1e9) as i64),
         followed: [0.0; 2],
         report: BoxReport::default(),
     };
@@ -159,6 +178,7 @@ struct Playing<'a> {
     start_system_ns: i64,
     period_ns: i64,
     due_ns: i64,
+    silent_from_ns: i64,
     followed: [f64; 2],
     report: BoxReport,
 }
@@ -187,7 +207,7 @@ impl Playing<'_> {
         self.own
             .advance(now_ns, |t_ns, pose| poses.push((t_ns, pose)));
         for (t_ns, [x, y, yaw]) in poses {
-            if self.robot.pose.is_some() {
+            if self.robot.pose.is_some() && now_ns < self.silent_from_ns {
                 let pose = [x - back * yaw.cos(), y - back * yaw.sin(), yaw];
                 let message = wire::pose(self.start_system_ns + t_ns, pose);
                 self.topics.publish(1, message);
@@ -195,7 +215,9 @@ impl Playing<'_> {
         }
         if now_ns >= self.due_ns {
             self.due_ns = (now_ns / self.period_ns + 1) * self.period_ns;
-            self.send_wheels();
+            if now_ns < self.silent_from_ns {
+                self.send_wheels();
+            }
         }
         self.log_change(now_ns, log)?;
         Ok(())

@@ -206,7 +206,7 @@ impl Link {
     /// When a message was stamped, on the clock of the run (ns).
     fn time(&mut self, content: Content, stamp_ns: i64, arrived_ns: i64) -> Result<i64, String> {
         let place = content as usize;
-        let t_ns = self.clocks[place].to_run(stamp_ns, arrived_ns);
+        let t_ns = self.clocks[place].on_run(stamp_ns, arrived_ns);
         if t_ns <= self.newest_ns[place] {
             return Err("is not newer than the one before".to_owned());
         }
@@ -236,7 +236,7 @@ impl Link {
             return Some(Standing::Idle);
         };
         let unheard_ns = self.heard_ns[Content::Wheels as usize].map(|own| now_ns - own);
-        if stopped || !self.begun {
+        if stopped {
             Some(Standing::Idle)
         } else if unheard_ns.is_none_or(|own| own > self.silences.robot_ns) {
             Some(Standing::NotHeard)
@@ -253,6 +253,9 @@ impl Link {
         stopped: bool,
         recorder: &mut impl Recorder,
     ) -> Option<[f64; 2]> {
+        if !self.begun {
+            return None;
+        }
         let standing = self.reason(now_ns, stopped);
         if standing != self.standing {
             self.note(standing, now_ns, recorder);
@@ -270,19 +273,26 @@ impl Link {
                 if self.sent_tick_ns == Some(command.tick_ns) {
                     return None;
                 }
-                self.sent_tick_ns = Some(command.tick_ns);
-                // After a pause there is no more time to accelerate in than between two commands.
-                let after_ns = since_ns.unwrap_or(0).min(2 * self.silences.period_ns);
-                self.cut(&command, s_from_ns(after_ns))
+                let last_ns = self.sent_tick_ns.replace(command.tick_ns);
+                self.cut(
+                    &command,
+                    s_from_ns(self.time_to_accelerate(last_ns, command.tick_ns)),
+                )
             }
             (None, None) => return None,
         };
-        if standing.is_none() || self.begun {
-            self.record(twist, now_ns, recorder);
-        }
+        self.record(twist, now_ns, recorder);
         (self.sent, self.sent_ns) = (twist, Some(now_ns));
         self.report.commands += 1;
         Some(twist)
+    }
+
+    /// The time (ns) within which speeds may change from the command for the tick `last_ns` to that for `tick_ns`: not more
+    /// than two periods, so that nothing jumps after a pause.
+    fn time_to_accelerate(&self, last_ns: Option<i64>, tick_ns: i64) -> i64 {
+        let period_ns = self.silences.period_ns;
+        let since_ns = last_ns.map_or(period_ns, |last_ns| tick_ns - last_ns);
+        since_ns.clamp(0, 2 * period_ns)
     }
 
     /// The twist of a command within the limits.

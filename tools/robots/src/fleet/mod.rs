@@ -144,7 +144,8 @@ impl Fleet {
         self.stopped = true;
     }
 
-    /// The twist that a robot is to be told now, if there is anything to tell: [v (m/s), w (rad/s)].
+    /// The twist that a robot is to be told now, if there is anything to tell: [v (m/s), w (rad/s)]. Before the run has begun
+    /// there is nothing.
     pub fn due(
         &mut self,
         robot: usize,

@@ -19,7 +19,7 @@ pub(super) struct StampClock {
 
 impl StampClock {
     /// When a message was stamped, on the clock of the run (ns): never after its arrival. A stamp of 0 is none.
-    pub(super) fn to_run(&mut self, stamp_ns: i64, arrived_ns: i64) -> i64 {
+    pub(super) fn on_run(&mut self, stamp_ns: i64, arrived_ns: i64) -> i64 {
         if stamp_ns == 0 {
             return arrived_ns;
         }
@@ -61,7 +61,7 @@ mod tests {
         let boot = 1_700_000_000_000 * MS;
         // Stamped at 0, 20, 40 … ms; delays of 9, 3, 12, 3 ms.
         let mapped: Vec<i64> = [(0, 9), (20, 3), (40, 12), (60, 3)]
-            .map(|(t, delay)| clock.to_run(boot + t * MS, (t + delay) * MS))
+            .map(|(t, delay)| clock.on_run(boot + t * MS, (t + delay) * MS))
             .to_vec();
         assert_eq!(&mapped[..2], [9 * MS, 23 * MS]);
         let error = |t_ns: i64, ms: i64| (t_ns - ms * MS).abs();
@@ -80,7 +80,7 @@ mod tests {
             let sent_ns = k * 20 * MS;
             let stamp_ns = 1 + sent_ns - sent_ns / 20_000;
             let arrived_ns = sent_ns + 2 * MS + (k * 7_919 % 2_000) * 1_000;
-            let error_ns = clock.to_run(stamp_ns, arrived_ns) - (sent_ns + 2 * MS);
+            let error_ns = clock.on_run(stamp_ns, arrived_ns) - (sent_ns + 2 * MS);
             assert!(k < 1_000 || error_ns.abs() < MS / 2, "{k}: {error_ns}");
         }
     }
@@ -88,9 +88,9 @@ mod tests {
     #[test]
     fn a_clock_that_is_set_starts_anew() {
         let mut clock = StampClock::default();
-        assert_eq!(clock.to_run(5 * MS, 10 * MS), 10 * MS);
-        assert_eq!(clock.to_run(100_000 * MS, 30 * MS), 30 * MS);
-        assert_eq!(clock.to_run(100_020 * MS, 50 * MS), 50 * MS);
-        assert_eq!(clock.to_run(0, 60 * MS), 60 * MS);
+        assert_eq!(clock.on_run(5 * MS, 10 * MS), 10 * MS);
+        assert_eq!(clock.on_run(100_000 * MS, 30 * MS), 30 * MS);
+        assert_eq!(clock.on_run(100_020 * MS, 50 * MS), 50 * MS);
+        assert_eq!(clock.on_run(0, 60 * MS), 60 * MS);
     }
 }

@@ -138,13 +138,8 @@ mod tests {
             wheels.take_pose([radius * yaw.sin(), radius * (1.0 - yaw.cos()), wrapped]);
         }
         let expected = [(radius + b) * 4.0 / r, (radius - b) * 4.0 / r];
-        for side in 0..2 {
-            let turned = wheels.turned_rad[side];
-            assert!(
-                (turned - expected[side]).abs() < 1e-3,
-                "{turned} {}",
-                expected[side]
-            );
+        for (turned, expected) in wheels.turned_rad.iter().zip(expected) {
+            assert!((turned - expected).abs() < 1e-3, "{turned} {expected}");
         }
         wheels.begin();
         assert_eq!(
