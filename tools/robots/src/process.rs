@@ -289,7 +289,14 @@ impl Robots<'_> {
                 Some(Standing::AgentSilent) => {
                     (self.notice)(&format!("{name}: its agent is silent: told to stand"));
                 }
-                Some(Standing::Idle) | None => {}
+                Some(Standing::AgentLost) if settings.on_death == OnDeath::Stop => {
+                    let reason = "its agent went silent; all robots were told to stand";
+                    return Err(BusError::Failed {
+                        what: name.clone(),
+                        reason: reason.to_owned(),
+                    });
+                }
+                Some(Standing::Idle | Standing::AgentLost) | None => {}
             }
         }
         Ok(())

@@ -24,6 +24,8 @@ pub enum Standing {
     NotHeard,
     /// Its agent is silent.
     AgentSilent,
+    /// Its agent has been silent for as long as a robot may be.
+    AgentLost,
 }
 
 /// Times without a message after which a robot stands (ns).
@@ -240,6 +242,8 @@ impl Link {
             Some(Standing::Idle)
         } else if unheard_ns.is_none_or(|own| own > self.silences.robot_ns) {
             Some(Standing::NotHeard)
+        } else if now_ns - told_ns > self.silences.robot_ns.max(self.silences.agent_ns) {
+            Some(Standing::AgentLost)
         } else if now_ns - told_ns > self.silences.agent_ns {
             Some(Standing::AgentSilent)
         } else {
@@ -325,8 +329,9 @@ impl Link {
         let kind = match (self.standing, standing) {
             (_, Some(Standing::NotHeard)) => Some(EventKind::RobotLost),
             (_, Some(Standing::AgentSilent)) => Some(EventKind::AgentSilent),
-            (Some(Standing::NotHeard | Standing::AgentSilent), None) => Some(EventKind::RobotBack),
-            _ => None,
+            (Some(Standing::Idle) | None, None)
+            | (_, Some(Standing::Idle | Standing::AgentLost)) => None,
+            (Some(_), None) => Some(EventKind::RobotBack),
         };
         if let Some(kind) = kind {
             let robot = Some(self.robot);

@@ -1,10 +1,11 @@
 //! A run of robots in boxes without a launcher and without a network.
 
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Mutex};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use slipstream_agents::process::{AgentOutcome, Arguments, run_agent_with};
 use slipstream_agents::{AgentContext, Controller, ControllerError};
@@ -17,7 +18,7 @@ use slipstream_ipc::clock::{Monotonic, WallClock};
 use slipstream_ipc::join::ProcessStatus;
 use slipstream_ipc::presence::Parent;
 use slipstream_ipc::report;
-use slipstream_ipc::run_directory::RunDirectory;
+use slipstream_ipc::run_directory::{RunDirectory, RunLock};
 use slipstream_ipc::wake_page::{Stage, WakePage};
 use slipstream_robots::boxed::{self, BoxOptions, BoxReport};
 use slipstream_robots::lab::{CommandTopic, Lab, LabRobot, PoseTopic, WheelTopic, Wire};
@@ -60,11 +61,14 @@ fn model() -> RobotModel {
     }
 }
 
+/// Makes the controller of an agent.
+pub(crate) type Make =
+    dyn Fn(&AgentContext<'_>) -> Result<Box<dyn Controller>, ControllerError> + Sync;
+
 /// What is driven, and what happens meanwhile.
 pub(crate) struct Drive<'a> {
     pub(crate) experiment: Experiment,
-    pub(crate) make:
-        &'a (dyn Fn(&AgentContext<'_>) -> Result<Box<dyn Controller>, ControllerError> + Sync),
+    pub(crate) make: &'a Make,
     pub(crate) meanwhile: &'a (dyn Fn(&Net) + Sync),
     /// A box that never sends anything.
     pub(crate) silent: Option<usize>,
@@ -84,13 +88,13 @@ pub(crate) struct Driven {
 pub(crate) struct Net {
     cut: Vec<AtomicBool>,
     muted: Vec<AtomicBool>,
-    page: Box<dyn Fn() -> WakePage + Send + Sync>,
+    page: PathBuf,
 }
 
 impl Net {
     /// Waits until the time of the run (s).
     pub(crate) fn await_time(&self, t_s: f64) {
-        let page = (self.page)();
+        let page = WakePage::open(&self.page).unwrap();
         while page.stage() < Stage::Running {
             thread::sleep(Duration::from_millis(5));
         }
@@ -111,7 +115,7 @@ impl Net {
     /// Stops the run as a launcher does at Ctrl-C.
     pub(crate) fn stop_run_after(&self, time: Duration) {
         thread::sleep(time);
-        (self.page)().stop();
+        WakePage::open(&self.page).unwrap().stop();
     }
 }
 
@@ -154,7 +158,7 @@ fn lab(robots: usize) -> Lab {
             start: None,
             command: CommandTopic {
                 topic: topic("cmd_vel"),
-                is_stamped: index % 2 == 0,
+                is_stamped: index.is_multiple_of(2),
             },
             wheels: WheelTopic::Joints {
                 topic: topic("joint_states"),
@@ -175,128 +179,133 @@ fn lab(robots: usize) -> Lab {
     }
 }
 
-/// Drives, and returns what became of it.
-pub(crate) fn drive(what: Drive<'_>) -> Driven {
+/// A run directory with the experiment in it, as a launcher prepares it.
+fn prepare(experiment: &Experiment) -> (RunDirectory, RunLock) {
     static RUNS: AtomicU32 = AtomicU32::new(0);
     let number = RUNS.fetch_add(1, Ordering::Relaxed);
     let identity = 0xd000_0000 | (std::process::id() & 0xf_ffff) << 8 | number;
-    let (directory, _lock) = RunDirectory::create(identity).unwrap();
-    let experiment = &what.experiment;
-    let count = experiment.robots.len();
+    let (directory, lock) = RunDirectory::create(identity).unwrap();
     let bytes = postcard::to_allocvec(experiment).unwrap();
     std::fs::write(directory.experiment(), bytes).unwrap();
-    WakePage::create(&directory.wake_page(), count).unwrap();
+    WakePage::create(&directory.wake_page(), experiment.robots.len()).unwrap();
+    (directory, lock)
+}
+
+/// The ends of the network: that of the process of the robots, and those of the boxes.
+fn connect(net: &Arc<Net>) -> (End, Vec<End>) {
+    let (to_robots, from_boxes) = channel();
+    let (to_boxes, box_ends): (Vec<_>, Vec<_>) = net.cut.iter().map(|_| channel()).unzip();
+    let told = to_boxes.into_iter().enumerate();
+    let home = End {
+        net: Arc::clone(net),
+        out: told.map(|(robot, own)| (own, 0, robot)).collect(),
+        messages: from_boxes,
+        is_box: false,
+    };
+    let end = |(robot, messages)| End {
+        net: Arc::clone(net),
+        out: (0..2)
+            .map(|own| (to_robots.clone(), 2 * robot + own, robot))
+            .collect(),
+        messages,
+        is_box: true,
+    };
+    (home, box_ends.into_iter().enumerate().map(end).collect())
+}
+
+/// Plays the box of a robot until it is over.
+fn play(end: End, robot: &LabRobot, pose: [f64; 3], over: &AtomicBool) -> (BoxReport, Vec<u8>) {
+    let options = BoxOptions {
+        model: &model(),
+        pose,
+        camera: Camera::default(),
+        wheels_hz: 50.0,
+        command_timeout_s: BOX_TIMEOUT_S,
+        seed: 1,
+        silent_from_s: None,
+    };
+    let mut log = Vec::new();
+    let mut goes_on = || !over.load(Ordering::Relaxed);
+    let report = boxed::run_over(Box::new(end), robot, &options, &mut log, &mut goes_on);
+    (report.unwrap(), log)
+}
+
+/// Runs the agent of a robot to its end. If it fails, the run is stopped, as the launcher would do.
+fn run_agent(folder: &Path, robot: RobotIndex, make: &Make, page: &WakePage) -> Result<(), String> {
+    let arguments = Arguments::to_start(folder, robot, Some(std::process::id()));
+    run_agent_with(&arguments, make);
+    let name = robot_name(robot);
+    let ended: Option<AgentOutcome> = report::read(folder, &name);
+    let ended = match ended.map(|own| own.ended) {
+        Some(ProcessStatus::Failed(problem)) => Err(problem),
+        Some(_) => Ok(()),
+        None => Err(report::read_failure(folder, &name).unwrap_or_default()),
+    };
+    if ended.is_err() {
+        page.stop();
+    }
+    ended
+}
+
+/// When a box stood for good, by its log (s of the run).
+fn last_moved_s(log: &[u8], start_ns: i64) -> f64 {
+    let Some(line) = std::str::from_utf8(log).unwrap().lines().last() else {
+        return -1.0;
+    };
+    let (t_ns, twist) = line.split_once(',').unwrap();
+    assert_eq!(twist, "0,0", "a box moves for ever");
+    (t_ns.parse::<i64>().unwrap() - start_ns) as f64 * 1e-9
+}
+
+/// Drives, and returns what became of it.
+pub(crate) fn drive(what: Drive<'_>) -> Driven {
+    let experiment = &what.experiment;
+    let count = experiment.robots.len();
+    let (directory, _lock) = prepare(experiment);
     let path = directory.wake_page();
-    let page = move || WakePage::open(&path).unwrap();
+    let page = || WakePage::open(&path).unwrap();
     let net = Arc::new(Net {
         cut: (0..count).map(|_| AtomicBool::new(false)).collect(),
         muted: (0..count)
             .map(|own| AtomicBool::new(what.silent == Some(own)))
             .collect(),
-        page: Box::new(page.clone()),
+        page: path.clone(),
     });
-    let lab = lab(count);
-    let (to_robots, from_boxes) = channel();
-    let (to_boxes, box_ends): (Vec<_>, Vec<_>) = (0..count).map(|_| channel()).unzip();
-    let mut home = Some(End {
-        net: Arc::clone(&net),
-        out: to_boxes
-            .into_iter()
-            .enumerate()
-            .map(|(robot, own)| (own, 0, robot))
-            .collect(),
-        messages: from_boxes,
-        is_box: false,
-    });
-    let over = AtomicBool::new(false);
-    let model = model();
-    let folder = directory.folder().to_owned();
-    let logs: Vec<Mutex<Vec<u8>>> = (0..count).map(|_| Mutex::default()).collect();
-    let (outcome, boxes, agents, start_ns) = thread::scope(|scope| {
-        let play = |(robot, messages): (usize, Receiver<Heard>)| {
-            let end = End {
-                net: Arc::clone(&net),
-                out: (0..2)
-                    .map(|own| (to_robots.clone(), 2 * robot + own, robot))
-                    .collect(),
-                messages,
-                is_box: true,
-            };
-            let (lab, model, experiment) = (&lab, &model, &what.experiment);
-            let (over, log) = (&over, &logs[robot]);
-            scope.spawn(move || {
-                let options = BoxOptions {
-                    model,
-                    pose: experiment.robots[robot].pose,
-                    camera: Camera::default(),
-                    wheels_hz: 50.0,
-                    command_timeout_s: BOX_TIMEOUT_S,
-                    seed: 1,
-                    silent_from_s: None,
-                };
-                let mut log = log.lock().unwrap();
-                let mut goes_on = || !over.load(Ordering::Relaxed);
-                boxed::run_over(
-                    Box::new(end),
-                    &lab.robots[robot],
-                    &options,
-                    &mut *log,
-                    &mut goes_on,
-                )
-                .unwrap()
-            })
-        };
-        let boxes: Vec<_> = box_ends.into_iter().enumerate().map(play).collect();
+    let (home, box_ends) = connect(&net);
+    let mut home = Some(home);
+    let (lab, over, folder) = (lab(count), AtomicBool::new(false), directory.folder());
+    let (outcome, boxes, agents) = thread::scope(|scope| {
+        let boxed = lab.robots.iter().zip(&experiment.robots).zip(box_ends);
+        let boxes: Vec<_> = boxed
+            .map(|((robot, setup), end)| scope.spawn(|| play(end, robot, setup.pose, &over)))
+            .collect();
         let robots = scope.spawn(|| {
             let mut open = || Ok(Box::new(home.take().unwrap()) as Box<dyn Topics>);
-            process::run_over(&folder, Parent::now(), false, &lab, &|_| (), &mut open)
+            process::run_over(folder, Parent::now(), false, &lab, &|_| (), &mut open)
         });
-        let agent = |robot: usize| {
-            let (folder, page, make) = (&folder, &page, what.make);
-            scope.spawn(move || {
-                let index = RobotIndex::try_from(robot).unwrap();
-                let arguments = Arguments::to_start(folder, index, Some(std::process::id()));
-                run_agent_with(&arguments, make);
-                let name = robot_name(index);
-                let ended: Option<AgentOutcome> = report::read(folder, &name);
-                let ended = match ended.map(|own| own.ended) {
-                    Some(ProcessStatus::Failed(problem)) => Err(problem),
-                    Some(_) => Ok(()),
-                    None => Err(report::read_failure(folder, &name).unwrap_or_default()),
-                };
-                if ended.is_err() {
-                    page().stop();
-                }
-                ended
-            })
-        };
-        let agents: Vec<_> = (0..count).map(agent).collect();
+        let indices = 0..experiment.settings.robots.count;
+        let agents: Vec<_> = indices
+            .map(|robot| scope.spawn(move || run_agent(folder, robot, what.make, &page())))
+            .collect();
         (what.meanwhile)(&net);
         let outcome = robots.join().unwrap();
         page().advance(Stage::Over);
         let agents = agents.into_iter().map(|own| own.join().unwrap()).collect();
         // What a box does by itself, it does within this time.
-        thread::sleep(Duration::from_secs_f64(BOX_TIMEOUT_S));
-        let begin = Instant::now();
+        thread::sleep(Duration::from_secs_f64(BOX_TIMEOUT_S + 0.2));
         over.store(true, Ordering::Relaxed);
-        let boxes: Vec<BoxReport> = boxes.into_iter().map(|own| own.join().unwrap()).collect();
-        assert!(begin.elapsed() < Duration::from_secs(10));
-        (outcome, boxes, agents, page().start_ns())
+        let boxes: Vec<_> = boxes.into_iter().map(|own| own.join().unwrap()).collect();
+        (outcome, boxes, agents)
     });
+    let start_ns = page().start_ns();
     directory.remove().unwrap();
-    let last = |log: &Mutex<Vec<u8>>| {
-        let log = String::from_utf8(std::mem::take(&mut *log.lock().unwrap())).unwrap();
-        let Some(line) = log.lines().last() else {
-            return -1.0;
-        };
-        let (t_ns, twist) = line.split_once(',').unwrap();
-        assert_eq!(twist, "0,0", "a box moves for ever");
-        (t_ns.parse::<i64>().unwrap() - start_ns) as f64 * 1e-9
-    };
     Driven {
         outcome,
-        boxes,
-        last_moved_s: logs.iter().map(last).collect(),
+        last_moved_s: boxes
+            .iter()
+            .map(|(_, log)| last_moved_s(log, start_ns))
+            .collect(),
+        boxes: boxes.into_iter().map(|(report, _)| report).collect(),
         agents,
     }
 }
