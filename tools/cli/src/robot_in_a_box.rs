@@ -55,9 +55,6 @@ pub(crate) struct Arguments {
     /// It stands when no command has come for so long (s), as base controllers do
     #[arg(long, value_name = "S", default_value_t = 0.5)]
     command_timeout_s: f64,
-    /// Send nothing from then on (s), to try what a run does with a robot that is not heard
-    #[arg(long, value_name = "S")]
-    silent_from_s: Option<f64>,
     /// Seed of its noise
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
@@ -86,7 +83,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         wheels_hz: positive("--wheels-hz", arguments.wheels_hz)?,
         command_timeout_s: positive("--command-timeout-s", arguments.command_timeout_s)?,
         seed: arguments.seed,
-        silent_from_s: arguments.silent_from_s,
     };
     let mut log = log(arguments.log.as_deref())?;
     let stop = interrupt::stop_flag(Some(GRACE))?;

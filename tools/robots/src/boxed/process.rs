@@ -32,8 +32,6 @@ pub struct BoxOptions<'a> {
     pub command_timeout_s: f64,
     /// Seed of its noise.
     pub seed: u64,
-    /// From then on it sends nothing (s), to try what a run does.
-    pub silent_from_s: Option<f64>,
 }
 
 /// What a box has seen.
@@ -127,9 +125,6 @@ pub fn run_over(
         start_system_ns: system_ns(),
         period_ns: (1e9 / options.wheels_hz) as i64,
         due_ns: 0,
-        silent_from_ns: options
-            .silent_from_s
-            .map_or(i64::MAX, |own| (own * 1e9) as i64),
         followed: [0.0; 2],
         report: BoxReport::default(),
     };
@@ -178,7 +173,6 @@ struct Playing<'a> {
     start_system_ns: i64,
     period_ns: i64,
     due_ns: i64,
-    silent_from_ns: i64,
     followed: [f64; 2],
     report: BoxReport,
 }
@@ -207,7 +201,7 @@ impl Playing<'_> {
         self.own
             .advance(now_ns, |t_ns, pose| poses.push((t_ns, pose)));
         for (t_ns, [x, y, yaw]) in poses {
-            if self.robot.pose.is_some() && now_ns < self.silent_from_ns {
+            if self.robot.pose.is_some() {
                 let pose = [x - back * yaw.cos(), y - back * yaw.sin(), yaw];
                 let message = wire::pose(self.start_system_ns + t_ns, pose);
                 self.topics.publish(1, message);
@@ -215,9 +209,7 @@ impl Playing<'_> {
         }
         if now_ns >= self.due_ns {
             self.due_ns = (now_ns / self.period_ns + 1) * self.period_ns;
-            if now_ns < self.silent_from_ns {
-                self.send_wheels();
-            }
+            self.send_wheels();
         }
         self.log_change(now_ns, log)?;
         Ok(())

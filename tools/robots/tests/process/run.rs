@@ -222,7 +222,6 @@ fn play(end: End, robot: &LabRobot, pose: [f64; 3], over: &AtomicBool) -> (BoxRe
         wheels_hz: 50.0,
         command_timeout_s: BOX_TIMEOUT_S,
         seed: 1,
-        silent_from_s: None,
     };
     let mut log = Vec::new();
     let mut goes_on = || !over.load(Ordering::Relaxed);
