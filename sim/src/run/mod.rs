@@ -11,6 +11,7 @@ mod spacing;
 pub use changes::Changes;
 pub use lockstep::{Progress, lockstep};
 pub use observer::{Observer, PlantReport, RobotReport};
+pub use spacing::{SPACING_FROM_S, Spacing};
 
 use slipstream_bus::{Experiment, InputError};
 

@@ -1,7 +1,9 @@
-//! True spacing between a follower and the robot ahead: distance along the path that the latter has
-//! driven.
+//! Spacing between a follower and the robot ahead: distance along the path that the latter has driven.
 
 use std::collections::VecDeque;
+
+/// Time from which spacing errors count (s): robots that start have no path yet to be followed.
+pub const SPACING_FROM_S: f64 = 3.0;
 
 /// Smallest distance between two stored points of the path (m).
 const POINT_SPACING_M: f64 = 0.02;
@@ -22,7 +24,7 @@ struct Point {
 
 /// The path that one robot has driven, and the position of its follower on it.
 #[derive(Debug, Clone)]
-pub(super) struct Spacing {
+pub struct Spacing {
     points: VecDeque<Point>,
     newest: Point,
     /// Direction of the path before the first point, which is taken as straight.
@@ -34,8 +36,8 @@ pub(super) struct Spacing {
 }
 
 impl Spacing {
-    /// The path of a robot that starts at this pose.
-    pub(super) fn new([x_m, y_m, yaw_rad]: [f64; 3]) -> Self {
+    /// The path of a robot whose c starts at this pose: x and y (m), heading (rad).
+    pub fn new([x_m, y_m, yaw_rad]: [f64; 3]) -> Self {
         let newest = Point { s_m: 0.0, x_m, y_m };
         let mut points = VecDeque::with_capacity(CAPACITY);
         points.push_back(newest);
@@ -48,8 +50,8 @@ impl Spacing {
         }
     }
 
-    /// Extends the path to the robot's present pose.
-    pub(super) fn extend(&mut self, [x_m, y_m, yaw_rad]: [f64; 3]) {
+    /// Extends the path to the present pose of the robot's c: x and y (m), heading (rad).
+    pub fn extend(&mut self, [x_m, y_m, yaw_rad]: [f64; 3]) {
         let (dx, dy) = (x_m - self.newest.x_m, y_m - self.newest.y_m);
         let (sin, cos) = yaw_rad.sin_cos();
         let ds = dx.hypot(dy).copysign(dx * cos + dy * sin);
@@ -71,7 +73,7 @@ impl Spacing {
     }
 
     /// Distance along the path from the point nearest to the follower's c to the robot ahead (m).
-    pub(super) fn distance(&mut self, [x_m, y_m, _]: [f64; 3]) -> f64 {
+    pub fn distance(&mut self, [x_m, y_m, _]: [f64; 3]) -> f64 {
         let foot_m = self.foot_m;
         let near = |s_m: f64| foot_m.is_none_or(|foot_m| (s_m - foot_m).abs() <= REACH_M);
         // distance and arc length of the nearest point so far
