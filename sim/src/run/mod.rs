@@ -11,7 +11,7 @@ mod spacing;
 pub use changes::Changes;
 pub use lockstep::{Progress, command, lockstep, no_command};
 pub use observer::{Observer, PlantReport, RobotReport};
-pub use spacing::Spacing;
+pub use spacing::{SPACING_FROM_S, Spacing};
 
 use slipstream_bus::{Experiment, InputError};
 

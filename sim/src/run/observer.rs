@@ -5,13 +5,11 @@ use slipstream_bus::record::{Record, Recorder, State};
 use slipstream_bus::time::{ns_from_s, s_from_ns};
 use slipstream_bus::{Experiment, RobotSetup};
 
-use super::spacing::Spacing;
+use super::spacing::{SPACING_FROM_S, Spacing};
 use crate::{Truth, World};
 
 /// Slip speed from which slip time counts (m/s).
 const SLIP_MIN_M_S: f64 = 0.003;
-/// Time from which spacing errors count (ns).
-const SPACING_FROM_NS: i64 = 3_000_000_000;
 
 /// Accumulates the report of a run, step by step, and records states.
 #[derive(Debug)]
@@ -136,12 +134,13 @@ impl Observer {
     }
 
     fn measure_spacing(&mut self, world: &World, now_ns: i64) {
+        let counts = now_ns >= ns_from_s(SPACING_FROM_S);
         for (i, observed) in self.robots.iter_mut().enumerate() {
             let Some(spacing) = &mut observed.spacing else {
                 continue;
             };
             spacing.extend(world.truth(i - 1).pose);
-            if now_ns >= SPACING_FROM_NS {
+            if counts {
                 let error = (spacing.distance(world.truth(i).pose) - self.spacing_m).abs();
                 let largest = observed.report.max_spacing_error_m.unwrap_or(0.0);
                 observed.report.max_spacing_error_m = Some(largest.max(error));

@@ -1,7 +1,9 @@
-//! True spacing between a follower and the robot ahead: distance along the path that the latter has
-//! driven.
+//! Spacing between a follower and the robot ahead: distance along the path that the latter has driven.
 
 use std::collections::VecDeque;
+
+/// Time from which spacing errors count (s): robots that start have no path yet to be followed.
+pub const SPACING_FROM_S: f64 = 3.0;
 
 /// Smallest distance between two stored points of the path (m).
 const POINT_SPACING_M: f64 = 0.02;
@@ -34,7 +36,7 @@ pub struct Spacing {
 }
 
 impl Spacing {
-    /// The path of a robot that starts at this pose.
+    /// The path of a robot whose c starts at this pose: x and y (m), heading (rad).
     pub fn new([x_m, y_m, yaw_rad]: [f64; 3]) -> Self {
         let newest = Point { s_m: 0.0, x_m, y_m };
         let mut points = VecDeque::with_capacity(CAPACITY);
@@ -48,7 +50,7 @@ impl Spacing {
         }
     }
 
-    /// Extends the path to the robot's present pose.
+    /// Extends the path to the present pose of the robot's c: x and y (m), heading (rad).
     pub fn extend(&mut self, [x_m, y_m, yaw_rad]: [f64; 3]) {
         let (dx, dy) = (x_m - self.newest.x_m, y_m - self.newest.y_m);
         let (sin, cos) = yaw_rad.sin_cos();

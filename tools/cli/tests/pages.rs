@@ -68,6 +68,7 @@ fn pages_have_no_layout_problems() {
         "trace wall.mcap --against run.mcap --report wall.html",
     );
     run(folder, "compare run.mcap --report compare.html");
+    run(folder, "compare wall.mcap run.mcap --report two.html");
     run(folder, "reproduce --report reproduce.html");
     run(
         folder,
@@ -80,6 +81,7 @@ fn pages_have_no_layout_problems() {
         ("trace.html", 2),
         ("wall.html", 2),
         ("compare.html", 18),
+        ("two.html", 8),
         ("reproduce.html", 12),
         ("study.html", 8),
         ("trial.html", 0),

@@ -3,9 +3,9 @@
 //!
 //! [`read`] reads any form into a [`Recording`]; [`write_folder`] and [`write_mcap`] write it. [`read_spooled`]
 //! reads recordings that are too long for the memory.
-//! [`check()`](check()) finds errors of a recording, [`compare()`](compare()) puts it next to a simulation, [`run_writer`]
-//! records a run while it happens, [`robot_toml`] reads and writes robot models, and [`robot_file`] reads them from
-//! other descriptions, too.
+//! [`check()`](check()) finds errors of a recording, [`compare()`](compare()) puts it next to a simulation, [`two_runs`]
+//! next to another recording, [`run_writer`] records a run while it happens, [`robot_toml`] reads and writes robot models, and
+//! [`robot_file`] reads them from other descriptions, too.
 //!
 //! A folder of CSV files, read, examined and written as MCAP:
 //!
@@ -91,7 +91,7 @@ mod yaml;
 
 pub use bag::Loss;
 pub use check::{Finding, Report, RobotReport, Severity, StreamReport, check, faults, pose_jumps};
-pub use compare::{Channel, CompareError, compare, interpolate};
+pub use compare::{Channel, CompareError, compare, interpolate, two_runs};
 pub use csv_folder::{read_folder, write_folder};
 pub use error::{Error, Result};
 pub use field::Field;

@@ -7,6 +7,8 @@ pub mod diagnose;
 pub mod parts;
 pub mod reproduce;
 pub mod run;
+mod stages;
 pub mod study;
 pub mod trace;
 pub mod trial;
+pub mod two_runs;

@@ -4,8 +4,9 @@ use maud::{Markup, html};
 use slipstream_trace::{Answer, Hop, Host, Percentiles, Reading, Uncertainty, ages_over_time};
 
 use crate::parts::{
-    Cell, Fact, Frame, Icon, Ink, Page, Row, Rows, Scale, Tone, fixed, short, table, verdict,
+    Cell, Fact, Frame, Icon, Ink, Page, Row, Rows, Scale, Tone, fixed, table, verdict,
 };
+use crate::stages::{ms, stage_class, stage_name};
 
 /// Links that are drawn, and rows of age.
 const LINKS: usize = 8;
@@ -70,28 +71,6 @@ pub fn page(latency: &Latency<'_>) -> String {
     page.html()
 }
 
-/// What a stage is called.
-fn stage_name(stage: &str) -> &'static str {
-    match stage {
-        "sample_wait" => "Wait for the sender's tick",
-        "compute" => "Compute",
-        "transport" => "Transport",
-        "injected_delay" => "Link delay, set",
-        "outer_wait" => "Wait for the follower's outer tick",
-        "inner_wait" => "Wait for its inner tick",
-        _ => "Wait for the plant step",
-    }
-}
-
-/// Class of a stage's colour: a delay that was set, waiting, or work.
-fn stage_class(stage: &str) -> &'static str {
-    match stage {
-        "injected_delay" => "sn",
-        "compute" | "transport" => "sw-i",
-        _ => "sw-w",
-    }
-}
-
 /// Links of which a position was used.
 fn used(answer: &Answer) -> impl Iterator<Item = &Hop> {
     answer.hops.iter().filter(|hop| hop.end_to_end.is_some())
@@ -103,15 +82,6 @@ fn median_hop(answer: &Answer) -> Option<&Hop> {
     let end = |hop: &Hop| hop.end_to_end.map_or(0.0, |own| own.p50_s);
     hops.sort_by(|a, b| end(a).total_cmp(&end(b)));
     hops.get(hops.len() / 2).copied()
-}
-
-fn ms(seconds: f64) -> String {
-    let ms = 1000.0 * seconds;
-    if ms.abs() < 1e-4 {
-        "0".to_owned()
-    } else {
-        short(ms)
-    }
 }
 
 fn sentence(hop: &Hop) -> String {

@@ -18,7 +18,7 @@ use slipstream_ipc::record_pipe::RecordSender;
 use slipstream_ipc::services::{PLANT_CHUNK, Services};
 use slipstream_ipc::wake_page::{Member, Stage};
 use slipstream_recording::wire;
-use slipstream_sim::run::Spacing;
+use slipstream_sim::run::{SPACING_FROM_S, Spacing};
 
 use crate::fleet::{Content, Fleet, RobotReport, Standing};
 use crate::lab::Lab;
@@ -34,8 +34,6 @@ const START_DELAY_NS: i64 = 100_000_000;
 const LOOK_INTERVAL: Duration = Duration::from_micros(250);
 /// How long robots are told to stand at the end of a run.
 const LEAVE_FOR: Duration = Duration::from_millis(300);
-/// Spacing errors count from this time on (ns), as in simulation.
-const SPACING_FROM_NS: i64 = 3_000_000_000;
 
 /// Result of the process of the robots.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -372,7 +370,7 @@ impl Spacings {
             };
             let path = self.paths[i].get_or_insert_with(|| Spacing::new(ahead));
             path.extend(ahead);
-            if now_ns >= SPACING_FROM_NS {
+            if s_from_ns(now_ns) >= SPACING_FROM_S {
                 let error_m = (path.distance(own) - self.spacing_m).abs();
                 let largest = self.largest_m[i].get_or_insert(0.0);
                 *largest = largest.max(error_m);

@@ -6,6 +6,7 @@
 //! complete cause-effect chain is counted under the reason why its chain is incomplete.
 
 mod answer;
+mod both;
 mod chain;
 mod compare;
 mod hosts;
@@ -23,6 +24,7 @@ mod uncertainty;
 pub use answer::{
     Age, AgeLine, Answer, Hop, Host, Incomplete, LoopTiming, StageLatency, ages_over_time, answer,
 };
+pub use both::both;
 pub use chain::{Chain, Fate, Message, STAGES, follow};
 pub use compare::{Change, HopChange, against};
 pub use log::{Log, Note};

@@ -8,6 +8,8 @@ use slipstream_bus::time::s_from_ns;
 pub struct Percentiles {
     /// Median (s).
     pub p50_s: f64,
+    /// 95th percentile (s).
+    pub p95_s: f64,
     /// 99th percentile (s).
     pub p99_s: f64,
     /// Maximum (s).
@@ -28,17 +30,18 @@ impl Percentiles {
         durations_ns: &mut dyn Iterator<Item = i64>,
     ) -> Option<Self> {
         let rank = |percent: u64| count.saturating_mul(percent).div_ceil(100).max(1);
-        let mut found = [None; 3];
+        let mut found = [None; 4];
         for (number, duration_ns) in (1..=count).zip(durations_ns) {
-            for (found, percent) in found.iter_mut().zip([50, 99, 100]) {
+            for (found, percent) in found.iter_mut().zip([50, 95, 99, 100]) {
                 if number == rank(percent) {
                     *found = Some(s_from_ns(duration_ns));
                 }
             }
         }
-        let [p50_s, p99_s, max_s] = found;
+        let [p50_s, p95_s, p99_s, max_s] = found;
         Some(Self {
             p50_s: p50_s?,
+            p95_s: p95_s?,
             p99_s: p99_s?,
             max_s: max_s?,
         })
@@ -52,8 +55,8 @@ mod tests {
     #[test]
     fn percentiles_are_durations_that_occurred() {
         let found = Percentiles::new((1..=200).rev().collect()).unwrap();
-        let ns = [found.p50_s, found.p99_s, found.max_s].map(|s| (s * 1e9).round());
-        assert_eq!(ns, [100.0, 198.0, 200.0]);
+        let ns = [found.p50_s, found.p95_s, found.p99_s, found.max_s].map(|s| (s * 1e9).round());
+        assert_eq!(ns, [100.0, 190.0, 198.0, 200.0]);
         assert_eq!(Percentiles::new(vec![7]).unwrap().p50_s, 7e-9);
         assert_eq!(Percentiles::new(Vec::new()), None);
     }

@@ -6,8 +6,9 @@ use crate::markdown::{code, head, table};
 use crate::root;
 
 /// Commands whose answers have a schema, in the order of the page.
-const COMMANDS: [&str; 11] = [
+const COMMANDS: [&str; 12] = [
     "check",
+    "compare",
     "diagnose",
     "trial",
     "watch",

@@ -1,4 +1,5 @@
-//! `slipstream compare`: the simulation of the recorded commands next to the recording.
+//! `slipstream compare`: the simulation of the recorded commands next to the recording, or two recordings of one
+//! experiment next to each other (`two_runs`).
 //!
 //! The simulation runs open loop from the first command to the last row. Only its start pose is
 //! fitted, to the poses of the first half second. Without commands, the wheel speeds drive it.
@@ -8,6 +9,7 @@ mod commands;
 mod overlay;
 mod simulation;
 mod start;
+pub mod two_runs;
 mod wheel_angles;
 
 use slipstream_bus::{InputError, RobotModel};

@@ -1,40 +1,21 @@
-//! `slipstream compare`: simulates the recorded commands and plots the result over the recording.
+//! `slipstream compare RECORDING`: simulates the recorded commands and plots the result over the recording.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use clap::Args;
 use slipstream_bus::InputError;
 use slipstream_recording::CompareError;
 use slipstream_report::compare::Comparison;
 
+use super::Arguments;
 use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
 use crate::habits::vacant;
 use crate::models::Models;
 use crate::print::print_line;
 use crate::provenance;
-use crate::reading::Reading;
 
-/// Simulate the recorded commands and plot the result over the recording, channel by channel
-///
-/// Example: slipstream compare RECORDING --robot robot.toml
-#[derive(Debug, Args)]
-pub(crate) struct Arguments {
-    /// Recording: a folder of CSV files, or a bag (MCAP, SQLite or ROS 1; a file, or a folder as ROS 2 writes it)
-    recording: PathBuf,
-    #[command(flatten)]
-    reading: Reading,
-    /// Robot model for all robots, or for the robot NAME: robot.toml, URDF or controller YAML; several of one robot fill
-    /// what the others lack [default: the one in the recording]
-    #[arg(long, value_name = "[NAME=]FILE")]
-    robot: Vec<String>,
-    /// Page to write [default: compare.html, with a number if that exists]
-    #[arg(long, value_name = "FILE.html")]
-    report: Option<PathBuf>,
-}
-
-/// Runs the command.
-pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
+/// Compares the recording with its simulation.
+pub(super) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let models = Models::read(&arguments.robot)?;
     let import = arguments.reading.read(&arguments.recording, &models)?;
     let channels = slipstream_recording::compare(&import.recording, |robot| models.of(robot))
