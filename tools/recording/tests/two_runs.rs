@@ -1,7 +1,5 @@
 //! Two recordings of one experiment beside each other, where the differences are known in closed form.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests")]
-
 use slipstream_bus::RobotModel;
 use slipstream_recording::recording::{
     Odometry, Pose, PosePoint, Recording, Robot, Stream, Wheels,

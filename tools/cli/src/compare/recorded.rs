@@ -8,7 +8,8 @@ use slipstream_recording::two_runs::{
 };
 use slipstream_report::two_runs::Page;
 
-use super::{Arguments, table};
+use super::arguments::Arguments;
+use super::table;
 use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
 use crate::models::Models;

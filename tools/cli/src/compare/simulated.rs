@@ -6,7 +6,7 @@ use slipstream_bus::InputError;
 use slipstream_recording::CompareError;
 use slipstream_report::compare::Comparison;
 
-use super::Arguments;
+use super::arguments::Arguments;
 use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
 use crate::habits::vacant;

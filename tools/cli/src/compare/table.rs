@@ -40,8 +40,8 @@ fn path(pair: &RobotPair) -> String {
 fn spacing(text: &mut String, robots: &[RobotPair]) {
     let _ = writeln!(
         text,
-        "\nSpacing error (cm)                 real           simulated       real − simulated\n{:31}{}",
-        "", "rms  largest      rms  largest        rms  largest"
+        "\nSpacing error (cm)                 real           simulated       real − simulated\n{:31}rms  largest      rms  largest        rms  largest",
+        ""
     );
     for pair in robots {
         let Some(spacing) = &pair.spacing else {
@@ -66,8 +66,8 @@ fn spacing(text: &mut String, robots: &[RobotPair]) {
 fn slip(text: &mut String, robots: &[RobotPair]) {
     let _ = writeln!(
         text,
-        "\nWay, and slip (m)                  real                        simulated\n{:31}{}",
-        "", "wheels  poses  slip     %     wheels  poses  slip     %"
+        "\nWay, and slip (m)                  real                        simulated\n{:31}wheels  poses  slip     %     wheels  poses  slip     %",
+        ""
     );
     for pair in robots {
         let slips = pair.slip.map(|own| [own.slips.real, own.slips.simulated]);
@@ -87,8 +87,8 @@ fn delays(text: &mut String, link: &LinkPair) {
     let title = format!("{} → {}, delays (ms)", link.from, link.to);
     let _ = writeln!(
         text,
-        "\n{title:35}real           simulated\n{:31}{}",
-        "", "p50      p95      p50      p95"
+        "\n{title:35}real           simulated\n{:31}p50      p95      p50      p95",
+        ""
     );
     for stage in &link.stages {
         let delays = [stage.delays.real, stage.delays.simulated];

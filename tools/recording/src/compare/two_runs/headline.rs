@@ -6,7 +6,7 @@ use super::answer::{LinkPair, RobotPair, TwoRuns};
 const STEP_SPACING_M: f64 = 0.01;
 const STEP_PATH_M: f64 = 0.02;
 const STEP_DELAY_S: f64 = 0.010;
-const STEP_SLIP_PERCENT: f64 = 1.0;
+const STEP_SLIP_PERCENT: f64 = 2.0;
 /// Size (steps) from which a difference is said.
 const SAID: f64 = 0.2;
 /// Differences that are said.
@@ -96,7 +96,8 @@ fn delay(link: &LinkPair) -> Option<Clause> {
 fn slip(pair: &RobotPair) -> Option<Clause> {
     let slip = pair.slip?;
     let [real, simulated] = slip.slips.pair()?.map(|own| own.slip_percent);
-    let (real, simulated) = (real?, simulated?);
+    // Rounded as it is said; 0 has no sign.
+    let [real, simulated] = [real?, simulated?].map(|own| (10.0 * own).round() / 10.0 + 0.0);
     let difference = real - simulated;
     let how = if difference < 0.0 { "less" } else { "more" };
     let words = format!(
