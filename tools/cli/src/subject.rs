@@ -7,8 +7,8 @@ use slipstream_launch::{Program, Request};
 /// Arguments that all commands which run an experiment share.
 #[derive(Debug, Default, clap::Args)]
 pub(crate) struct Subject {
-    /// Built-in experiment (platoon, single, circle, figure_eight, lane_change) or a TOML file
-    /// [default: platoon]
+    /// Built-in experiment (platoon, single, circle, figure_eight, lane_change), a TOML file, or a recording (MCAP), whose
+    /// experiment is simulated with the models of its robots [default: platoon]
     experiment: Option<String>,
     /// Number of robots [default: the experiment's]
     #[arg(long, value_name = "N")]

@@ -56,6 +56,7 @@
 //! SI units and radians; the unit is in the name of a field (`t_s`, `wheel_radius_m`). x points forward, y
 //! to the left, yaw is counter-clockwise. Pairs are [right, left].
 
+mod attached;
 mod bag;
 mod carried;
 mod check;
@@ -89,6 +90,7 @@ mod toml_files;
 mod topics;
 mod yaml;
 
+pub use attached::attached;
 pub use bag::Loss;
 pub use check::{Finding, Report, RobotReport, Severity, StreamReport, check, faults, pose_jumps};
 pub use compare::{Channel, CompareError, compare, interpolate, two_runs};

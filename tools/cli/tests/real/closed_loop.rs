@@ -14,11 +14,26 @@ const CONCEALED: [&str; 3] = [
 #[test]
 fn what_boxes_conceal_is_named_and_the_improved_models_predict_their_run() {
     let mut lab = Lab::of(&CONCEALED);
-    let run = ["run", "circle", "--clock", "wall", "--real", "robots.toml", "--arm"];
+    let run = [
+        "run",
+        "circle",
+        "--clock",
+        "wall",
+        "--real",
+        "robots.toml",
+        "--arm",
+    ];
     let out = ["--out", "real.mcap", "--json", "real.json"];
     lab.succeeds(&[&run[..], &out].concat());
     lab.end_boxes();
-    let diagnose = ["diagnose", "real.mcap", "--json", "found.json", "--improved", "better.toml"];
+    let diagnose = [
+        "diagnose",
+        "real.mcap",
+        "--json",
+        "found.json",
+        "--improved",
+        "better.toml",
+    ];
     lab.succeeds(&diagnose);
     check_findings(&lab);
 
@@ -30,15 +45,28 @@ fn what_boxes_conceal_is_named_and_the_improved_models_predict_their_run() {
         lab.succeeds(&all);
         read_json(&lab.file(name))
     };
-    let better = ["r1=better.r1.toml", "r2=better.r2.toml", "r3=better.r3.toml"];
-    let (before, after) = (simulate(&[], "before.json"), simulate(&better, "after.json"));
+    let better = [
+        "r1=better.r1.toml",
+        "r2=better.r2.toml",
+        "r3=better.r3.toml",
+    ];
+    let (before, after) = (
+        simulate(&[], "before.json"),
+        simulate(&better, "after.json"),
+    );
     let real = read_json(&lab.file("real.json"));
     for follower in 1..3 {
         let spacing_cm = |run: &serde_json::Value| {
-            100.0 * run["robots"][follower]["max_spacing_error_m"].as_f64().unwrap()
+            100.0
+                * run["robots"][follower]["max_spacing_error_m"]
+                    .as_f64()
+                    .unwrap()
         };
         let [real, before, after] = [&real, &before, &after].map(spacing_cm);
-        eprintln!("r{}: spacing error {real:.1} cm; simulated {before:.1}, improved {after:.1}", follower + 1);
+        eprintln!(
+            "r{}: spacing error {real:.1} cm; simulated {before:.1}, improved {after:.1}",
+            follower + 1
+        );
         assert!((after - real).abs() < 3.0 && (after - real).abs() < (before - real).abs() / 5.0);
     }
     let place = |run: &serde_json::Value, robot: usize| {
@@ -46,7 +74,11 @@ fn what_boxes_conceal_is_named_and_the_improved_models_predict_their_run() {
     };
     for robot in 0..3 {
         let ([x, y], [u, v]) = (place(&real, robot), place(&after, robot));
-        assert!((x - u).hypot(y - v) < 0.05, "r{}: {x}, {y} and {u}, {v}", robot + 1);
+        assert!(
+            (x - u).hypot(y - v) < 0.05,
+            "r{}: {x}, {y} and {u}, {v}",
+            robot + 1
+        );
     }
 }
 

@@ -55,7 +55,11 @@ const FAULTS: [Fault; 10] = [
 #[test]
 fn every_fault_leaves_all_robots_standing() {
     let faults = count("SLIPSTREAM_FAULTS", FAULTS.len());
-    let margin_s = if faults > FAULTS.len() { MARGIN_S } else { BUSY_MARGIN_S };
+    let margin_s = if faults > FAULTS.len() {
+        MARGIN_S
+    } else {
+        BUSY_MARGIN_S
+    };
     let next = AtomicUsize::new(0);
     let found = thread::scope(|scope| {
         let work = || {
@@ -70,17 +74,26 @@ fn every_fault_leaves_all_robots_standing() {
             }
         };
         let workers: Vec<_> = (0..AT_ONCE).map(|_| scope.spawn(work)).collect();
-        workers.into_iter().flat_map(|own| own.join().unwrap()).collect::<Vec<_>>()
+        workers
+            .into_iter()
+            .flat_map(|own| own.join().unwrap())
+            .collect::<Vec<_>>()
     });
     let mut late = 0;
     for fault in FAULTS {
         let own = found.iter().filter(|(other, _)| *other == fault);
         let mut times: Vec<f64> = own.map(|(_, stood_s)| *stood_s).collect();
         times.sort_by(f64::total_cmp);
-        let beyond = times.iter().filter(|own| **own > WATCHDOG_S + margin_s).count();
+        let beyond = times
+            .iter()
+            .filter(|own| **own > WATCHDOG_S + margin_s)
+            .count();
         late += beyond;
         let (median, last) = (times.get(times.len() / 2), times.last());
-        eprintln!("{fault:?}: {} times, stood after {median:?} s (median), {last:?} s (latest); {beyond} too late", times.len());
+        eprintln!(
+            "{fault:?}: {} times, stood after {median:?} s (median), {last:?} s (latest); {beyond} too late",
+            times.len()
+        );
     }
     assert_eq!(late, 0);
 }
@@ -129,8 +142,22 @@ fn drive(lab: &Lab, fault: Fault, at_s: f64) -> (Child, i64) {
         _ => String::new(),
     };
     let watchdog = format!("control.watchdog_s={WATCHDOG_S}");
-    let mut all = vec!["run", "platoon", "--clock", "wall", "--real", "robots.toml", "--arm"];
-    all.extend(["--no-recording", "--set", &watchdog, "--set", "duration_s=3"]);
+    let mut all = vec![
+        "run",
+        "platoon",
+        "--clock",
+        "wall",
+        "--real",
+        "robots.toml",
+        "--arm",
+    ];
+    all.extend([
+        "--no-recording",
+        "--set",
+        &watchdog,
+        "--set",
+        "duration_s=3",
+    ]);
     all.extend(["--set", "formation.start_s=0.5"]);
     if !agent.is_empty() {
         all.extend(["--agent", &agent]);
@@ -138,7 +165,10 @@ fn drive(lab: &Lab, fault: Fault, at_s: f64) -> (Child, i64) {
     let launcher = command(lab.folder(), &all).spawn().unwrap();
     let mut start_ns = 0;
     wait_for("the start of the run", Duration::from_secs(60), || {
-        let Some(role) = roles(launcher.id()).into_iter().find(|role| role.is("robots")) else {
+        let Some(role) = roles(launcher.id())
+            .into_iter()
+            .find(|role| role.is("robots"))
+        else {
             return false;
         };
         let page = std::path::Path::new(role.folder()).join("wake_page");
@@ -173,9 +203,11 @@ fn strike(fault: Fault, launcher: &Child, cut: &Cut) {
 
 /// Ends the launcher.
 fn end(fault: Fault, launcher: &mut Child) {
-    wait_for(&format!("the end of a run with {fault:?}"), Duration::from_secs(30), || {
-        launcher.try_wait().unwrap().is_some()
-    });
+    wait_for(
+        &format!("the end of a run with {fault:?}"),
+        Duration::from_secs(30),
+        || launcher.try_wait().unwrap().is_some(),
+    );
 }
 
 /// What a box was told is within its limits, and follows each other within them.

@@ -40,7 +40,8 @@ impl Lab {
         let folder = tempfile::tempdir().unwrap();
         let ports: Vec<u16> = effects.iter().map(|_| port()).collect();
         let found: Vec<u16> = ports.iter().map(|&own| through(own)).collect();
-        let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+        let write =
+            |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
         write("tb.toml", MODEL);
         write("boxes.toml", &robots_toml(&ports, more));
         write("robots.toml", &robots_toml(&found, more));

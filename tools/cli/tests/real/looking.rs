@@ -9,7 +9,10 @@ const LOOK: [&str; 6] = ["run", "platoon", "--clock", "wall", "--real", "robots.
 fn without_arm_nothing_is_told_and_robots_are_listed() {
     let mut lab = Lab::of(&["", ""]);
     let said = lab.succeeds(&LOOK);
-    assert!(said.contains("Nothing has moved: add --arm to drive."), "{said}");
+    assert!(
+        said.contains("Nothing has moved: add --arm to drive."),
+        "{said}"
+    );
     let row = said.lines().find(|line| line.starts_with("r2")).unwrap();
     assert!(row.contains("Hz"), "{said}");
     lab.end_boxes();
@@ -26,11 +29,17 @@ fn a_robot_that_is_not_there_is_said_before_any_moves() {
     let looked = lab.runs(&LOOK);
     let said = String::from_utf8_lossy(&looked.stdout);
     assert_eq!(looked.status.code(), Some(1), "{said}");
-    assert!(said.contains("r2: nothing came from /tb2/joint_angles"), "{said}");
+    assert!(
+        said.contains("r2: nothing came from /tb2/joint_angles"),
+        "{said}"
+    );
     let run = lab.runs(&[&LOOK[..], &["--arm", "--no-recording"]].concat());
     let said = String::from_utf8_lossy(&run.stderr);
     assert_eq!(run.status.code(), Some(1), "{said}");
-    assert!(said.contains("nothing came from /tb2/joint_angles for 10 s"), "{said}");
+    assert!(
+        said.contains("nothing came from /tb2/joint_angles for 10 s"),
+        "{said}"
+    );
     lab.end_boxes();
     for robot in ["r1.json", "r2.json"] {
         assert_eq!(crate::common::read_json(&lab.file(robot))["commands"], 0);
@@ -41,15 +50,35 @@ fn a_robot_that_is_not_there_is_said_before_any_moves() {
 fn what_cannot_be_driven_is_refused_in_one_line() {
     let lab = Lab::of(&[""]);
     for (arguments, expected) in [
-        (&["run", "platoon", "--real", "robots.toml"][..], "add --clock wall"),
-        (&["run", "single", "--clock", "wall", "--real", "robots.toml"], "open_loop.enabled"),
+        (
+            &["run", "platoon", "--real", "robots.toml"][..],
+            "add --clock wall",
+        ),
+        (
+            &["run", "single", "--clock", "wall", "--real", "robots.toml"],
+            "open_loop.enabled",
+        ),
         (&["run", "--clock", "wall", "--real", "no.toml"], "no.toml"),
-        (&["run", "--clock", "wall", "--real", "robots.toml", "--robots", "2"], "fewer --robots"),
+        (
+            &[
+                "run",
+                "--clock",
+                "wall",
+                "--real",
+                "robots.toml",
+                "--robots",
+                "2",
+            ],
+            "fewer --robots",
+        ),
         (&["robot-in-a-box", "robots.toml", "r7"], "give one of r1"),
     ] {
         let output = slipstream(lab.folder(), arguments);
         let said = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{said}");
-        assert!(said.contains(expected) && said.lines().count() == 1, "{said}");
+        assert!(
+            said.contains(expected) && said.lines().count() == 1,
+            "{said}"
+        );
     }
 }

@@ -10,14 +10,19 @@ use crate::lab::{LIMITS, port};
 /// The Python with the packages: of the variable, else the system's.
 fn python() -> Option<String> {
     let python = std::env::var("SLIPSTREAM_PYTHON").unwrap_or_else(|_| "python3".to_owned());
-    let packages = Command::new(&python).args(["-c", "import zenoh, rosbags, numpy"]).output();
-    packages.is_ok_and(|own| own.status.success()).then_some(python)
+    let packages = Command::new(&python)
+        .args(["-c", "import zenoh, rosbags, numpy"])
+        .output();
+    packages
+        .is_ok_and(|own| own.status.success())
+        .then_some(python)
 }
 
 #[test]
 fn a_robot_of_others_is_driven_and_recorded() {
     let Some(python) = python() else {
-        let reason = "needs Python with eclipse-zenoh, rosbags and numpy (SLIPSTREAM_PYTHON names it)";
+        let reason =
+            "needs Python with eclipse-zenoh, rosbags and numpy (SLIPSTREAM_PYTHON names it)";
         return skipped(reason);
     };
     for wire in ["ros2dds", "rmw_zenoh"] {
@@ -25,15 +30,31 @@ fn a_robot_of_others_is_driven_and_recorded() {
         let port = port();
         write_files(folder.path(), wire, port);
         let mut peer = peer(&python, folder.path(), wire, port);
-        let all = ["run", "lane_change", "--clock", "wall", "--real", "robots.toml", "--arm"];
+        let all = [
+            "run",
+            "lane_change",
+            "--clock",
+            "wall",
+            "--real",
+            "robots.toml",
+            "--arm",
+        ];
         let out = ["--out", "real.mcap", "--set", "duration_s=9"];
-        let run = command(folder.path(), &[&all[..], &out].concat()).output().unwrap();
+        let run = command(folder.path(), &[&all[..], &out].concat())
+            .output()
+            .unwrap();
         let said = String::from_utf8_lossy(&run.stderr);
         assert!(run.status.success(), "{wire}: {said}");
         drop(peer.stdin.take());
         assert!(peer.wait().unwrap().success());
         let export = ["export", "real.mcap", "--out", "csv"];
-        assert!(command(folder.path(), &export).output().unwrap().status.success());
+        assert!(
+            command(folder.path(), &export)
+                .output()
+                .unwrap()
+                .status
+                .success()
+        );
         compare(folder.path(), wire);
     }
 }
@@ -55,8 +76,14 @@ fn write_files(folder: &Path, wire: &str, port: u16) {
 fn peer(python: &str, folder: &Path, wire: &str, port: u16) -> Child {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/real/peer.py");
     let mut command = Command::new(python);
-    command.arg(script).args([&port.to_string(), wire, "peer.json"]);
-    command.current_dir(folder).stdin(Stdio::piped()).spawn().unwrap()
+    command
+        .arg(script)
+        .args([&port.to_string(), wire, "peer.json"]);
+    command
+        .current_dir(folder)
+        .stdin(Stdio::piped())
+        .spawn()
+        .unwrap()
 }
 
 /// Commands and poses of the recording are those of the peer.
@@ -64,7 +91,8 @@ fn compare(folder: &Path, wire: &str) {
     let peer = read_json(&folder.join("peer.json"));
     let pairs = |key: &str| -> Vec<[f64; 2]> {
         let rows = peer[key].as_array().unwrap().iter();
-        rows.map(|row| [0, 1].map(|i| row[i].as_f64().unwrap())).collect()
+        rows.map(|row| [0, 1].map(|i| row[i].as_f64().unwrap()))
+            .collect()
     };
     let (heard, sent) = (pairs("heard"), pairs("sent"));
     let told = rows(&folder.join("csv/r1/command.csv"));

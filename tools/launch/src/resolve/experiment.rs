@@ -11,7 +11,7 @@ use toml::Value;
 use super::key_tree::{BUILT_IN, KeyTree};
 use super::request::{Origin, Request, Resolved};
 use super::robots::{check, robots};
-use super::{keys, lab, round_trips};
+use super::{keys, lab, recorded, round_trips};
 use crate::program::{Program, Programs};
 
 /// Resolves a request: a built-in experiment, a file over it, arguments over both.
@@ -19,7 +19,7 @@ use crate::program::{Program, Programs};
 /// # Errors
 /// A key, value or file that cannot be used.
 pub fn resolve(request: &Request) -> Result<Resolved, InputError> {
-    let mut tree = base(request.experiment.as_deref())?;
+    let (mut tree, recorded) = base(request.experiment.as_deref())?;
     let mut lab = request.real.as_deref().map(Lab::read).transpose()?;
     let models = match &lab {
         Some(lab) => {
@@ -72,7 +72,7 @@ pub fn resolve(request: &Request) -> Result<Resolved, InputError> {
     let settings = tree.settings()?;
     settings.validate().map_err(|error| located(&tree, error))?;
     let mut experiment = Experiment {
-        robots: robots(&settings, &tree, &models)?,
+        robots: robots(&settings, &tree, &models, &recorded)?,
         half_round_trips_ns: match settings.links.trace.as_str() {
             "" => Vec::new(),
             trace => round_trips::read(&tree.path("links.trace", trace))?,
@@ -113,13 +113,17 @@ fn programs(settings: &Settings, tree: &KeyTree) -> Programs {
     (0..settings.robots.count).filter_map(program).collect()
 }
 
-/// A built-in experiment, or a file applied to the built-in experiment that it names as its base.
-fn base(experiment: Option<&str>) -> Result<KeyTree, InputError> {
+/// A built-in experiment, or a file applied to the built-in experiment that it names as its base, or that of a recording
+/// with the models of its robots.
+fn base(experiment: Option<&str>) -> Result<(KeyTree, recorded::Models), InputError> {
     let name_or_path = experiment.unwrap_or("platoon");
     if let Some(tree) = KeyTree::built_in(name_or_path)? {
-        return Ok(tree);
+        return Ok((tree, recorded::Models::new()));
     }
     let path = Path::new(name_or_path);
+    if path.extension().is_some_and(|own| own == "mcap") {
+        return recorded::read(path);
+    }
     let text = std::fs::read_to_string(path).map_err(|error| {
         let remedy = format!("give a file, or one of {}", BUILT_IN.join(", "));
         InputError::new(name_or_path, format!("cannot be read: {error}"), remedy)
@@ -144,7 +148,7 @@ fn base(experiment: Option<&str>) -> Result<KeyTree, InputError> {
         tree.set(&key, value, &Origin::File(path.to_owned(), line))?;
     }
     tree.assume(&file)?;
-    Ok(tree)
+    Ok((tree, recorded::Models::new()))
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ mod experiment;
 mod key_tree;
 mod keys;
 mod lab;
+mod recorded;
 mod request;
 mod robots;
 mod round_trips;

@@ -9,8 +9,9 @@ use slipstream_bus::{Encoder, Experiment, InputError, RobotModel, RobotSetup};
 use slipstream_recording::robot_file;
 
 use super::key_tree::KeyTree;
+use super::recorded::Models;
 
-/// The robots, from the front, each with its model.
+/// The robots, from the front, each with its model: as given, else that of the recording whose experiment it is.
 ///
 /// # Errors
 /// A model that cannot be read, or one for a robot that does not exist.
@@ -18,6 +19,7 @@ pub(super) fn robots(
     settings: &Settings,
     tree: &KeyTree,
     models: &[(Option<String>, PathBuf)],
+    recorded: &Models,
 ) -> Result<Vec<RobotSetup>, InputError> {
     let described =
         slipstream_recording::describe_robots(models).map_err(|error| input("--robot", error))?;
@@ -32,6 +34,11 @@ pub(super) fn robots(
         }
     };
     let mut robots = Experiment::new(settings.clone(), &all).robots;
+    for robot in &mut robots {
+        if let (Some(model), None) = (recorded.get(&robot.name), of_all) {
+            robot.model = model.clone();
+        }
+    }
     for (name, described) in &described {
         let Some(name) = name else {
             continue;

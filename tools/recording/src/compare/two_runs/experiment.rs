@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::bag::{Bag as _, BagFile, Item};
+use crate::attached::attached;
 
 /// Name of the experiment among the attachments of an MCAP file, or in a folder.
 const NAME: &str = "experiment.toml";
@@ -39,16 +39,7 @@ fn text(recording: &Path) -> Option<String> {
     if recording.is_dir() {
         return std::fs::read_to_string(recording.join(NAME)).ok();
     }
-    let mut text = None;
-    let read = BagFile::open(recording).and_then(|bag| {
-        bag.scan(&|_| false, &mut |item| {
-            if let Item::Attachment { name: NAME, data } = item {
-                text = Some(String::from_utf8_lossy(data).into_owned());
-            }
-            Ok(())
-        })
-    });
-    read.ok().and(text)
+    attached(recording).ok()?.remove(NAME)
 }
 
 #[cfg(test)]
