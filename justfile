@@ -92,3 +92,11 @@ release:
 # Tests of runs across hosts, with network namespaces (needs root; compiles Zenoh, some ten minutes the first time).
 hosts:
     cargo test --release -p slipstream --features hosts --test hosts -- --nocapture
+
+# Tests of runs with real robots, played by robots in boxes (compiles Zenoh, some ten minutes the first time).
+real:
+    cargo test --release -p slipstream --features hosts --test real -- --nocapture
+
+# Long form of the test of faults: a thousand, some half an hour.
+faults:
+    SLIPSTREAM_FAULTS=1000 cargo test --release -p slipstream --features hosts --test real faults -- --nocapture

@@ -18,7 +18,12 @@ const FLOORS: [&[&str]; 10] = [
     &["slipstream-ipc", "slipstream-trial-plant"],
     &["slipstream-agents", "slipstream-hosts", "slipstream-sim"],
     &["slipstream-c", "slipstream-recording"],
-    &["slipstream-answer", "slipstream-live", "slipstream-testkit"],
+    &[
+        "slipstream-answer",
+        "slipstream-live",
+        "slipstream-robots",
+        "slipstream-testkit",
+    ],
     &[
         "slipstream-diagnose",
         "slipstream-launch",
@@ -147,6 +152,7 @@ fn the_operating_system_is_used_by_transport_and_launcher_alone() {
         "slipstream-hosts",
         "slipstream-ipc",
         "slipstream-launch",
+        "slipstream-robots",
         "slipstream",
         "slipstream-fuzz",
     ];

@@ -43,6 +43,7 @@ pub(crate) fn run(
         set,
         clock: Some(slipstream_bus::experiment::Clock::Virtual),
         seed,
+        real: None,
     };
     let resolved = resolve(&request).map_err(|error| input(py, &error))?;
     let own = |name: &str| controllers.iter().any(|(given, _)| given == name);

@@ -11,4 +11,5 @@ pub mod fleet;
 pub mod lab;
 pub mod preflight;
 pub mod process;
+mod system_clock;
 pub mod topics;

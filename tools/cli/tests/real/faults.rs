@@ -1,5 +1,6 @@
 //! Whatever fails, every robot stands within `control.watchdog_s` and 50 ms, and is never told more than its limits.
 
+use std::io::Read as _;
 use std::process::Child;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
@@ -162,9 +163,14 @@ fn drive(lab: &Lab, fault: Fault, at_s: f64) -> (Child, i64) {
     if !agent.is_empty() {
         all.extend(["--agent", &agent]);
     }
-    let launcher = command(lab.folder(), &all).spawn().unwrap();
+    let mut launcher = command(lab.folder(), &all).spawn().unwrap();
     let mut start_ns = 0;
     wait_for("the start of the run", Duration::from_secs(60), || {
+        if let Some(status) = launcher.try_wait().unwrap() {
+            let mut said = String::new();
+            launcher.stderr.take().unwrap().read_to_string(&mut said).unwrap();
+            panic!("{fault:?}: the run ended before it began, {status}: {said}");
+        }
         let Some(role) = roles(launcher.id())
             .into_iter()
             .find(|role| role.is("robots"))

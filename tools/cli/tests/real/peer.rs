@@ -101,11 +101,22 @@ fn compare(folder: &Path, wire: &str) {
     let moving = |all: &[[f64; 2]]| -> Vec<[f64; 2]> {
         all.iter().copied().filter(|own| *own != [0.0; 2]).collect()
     };
-    assert_eq!(moving(&heard), moving(&told), "{wire}");
+    let [moved, wanted] = [moving(&heard), moving(&told)];
+    assert!(
+        moved == wanted,
+        "{wire}: {} commands of {}",
+        moved.len(),
+        wanted.len()
+    );
     let poses = rows(&folder.join("csv/r1/pose.csv"));
-    let begin = sent.iter().position(|own| *own == poses[0]).unwrap();
-    assert!(poses.len() > 300);
-    assert_eq!(poses[..], sent[begin..begin + poses.len()], "{wire}");
+    assert!(poses.len() > 300, "{wire}: {} poses", poses.len());
+    let is_part = sent.windows(poses.len()).any(|part| *part == poses[..]);
+    assert!(
+        is_part,
+        "{wire}: {} poses of {} sent",
+        poses.len(),
+        sent.len()
+    );
     // It follows without error, so it ends in the next lane.
     let [_, y] = poses[poses.len() - 1];
     assert!((0.1..0.6).contains(&y), "{wire}: {y}");

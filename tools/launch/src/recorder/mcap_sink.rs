@@ -131,15 +131,7 @@ impl McapSink {
                 robot,
                 actuation,
                 ..
-            } => {
-                let robot = robot as usize;
-                match actuation {
-                    Actuation::Torque(nm) => self.writer.write_torque_command(robot, t_ns, nm)?,
-                    Actuation::Twist(twist) => {
-                        self.writer.write_twist_command(robot, t_ns, twist)?;
-                    }
-                }
-            }
+            } => self.write_command(robot as usize, t_ns, actuation)?,
             Record::WheelAngles {
                 t_ns,
                 robot,
@@ -207,6 +199,18 @@ impl McapSink {
     fn wheels(&self, robot: RobotIndex) -> WheelSource {
         let own = self.wheels.get(robot as usize).copied();
         own.unwrap_or_default()
+    }
+
+    fn write_command(
+        &mut self,
+        robot: usize,
+        t_ns: i64,
+        actuation: Actuation,
+    ) -> slipstream_recording::Result<()> {
+        match actuation {
+            Actuation::Torque(nm) => self.writer.write_torque_command(robot, t_ns, nm),
+            Actuation::Twist(twist) => self.writer.write_twist_command(robot, t_ns, twist),
+        }
     }
 
     fn write_state(&mut self, state: &State) -> slipstream_recording::Result<()> {

@@ -11,7 +11,7 @@ use slipstream_recording::wire;
 
 use super::robot::BoxedRobot;
 use crate::lab::{Lab, LabRobot, WheelTopic};
-use crate::process::system_ns;
+use crate::system_clock::system_ns;
 use crate::topics::{self, MessageType, Opening, Topic, Topics};
 
 /// Longest wait for a command before the plant goes on.

@@ -6,7 +6,7 @@ use slipstream_bus::record::{EventKind, Record, Recorder};
 use slipstream_bus::time::s_from_ns;
 use slipstream_recording::wire;
 
-use super::Content;
+use super::content::Content;
 use super::report::{RobotReport, Stream};
 use super::stamps::StampClock;
 use super::wheels::Wheels;

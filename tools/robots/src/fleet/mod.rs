@@ -5,6 +5,7 @@
 //! to stand while the run has not begun or is over, while it is not heard for `control.watchdog_s`, and while its agent
 //! is silent.
 
+mod content;
 mod link;
 mod report;
 mod stamps;
@@ -15,6 +16,7 @@ use slipstream_bus::message::{DriveCommand, Encoders};
 use slipstream_bus::record::Recorder;
 use slipstream_bus::time::ns_from_s;
 
+pub use self::content::Content;
 use self::link::Link;
 pub use self::link::Standing;
 pub use self::report::RobotReport;
@@ -31,15 +33,6 @@ pub struct Fleet {
     /// The place of each heard topic: robot, and what it tells.
     heard: Vec<(usize, Content)>,
     stopped: bool,
-}
-
-/// What a topic tells.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Content {
-    /// What the wheels do.
-    Wheels,
-    /// Where the robot is.
-    Pose,
 }
 
 /// A robot whose state has changed.

@@ -7,10 +7,22 @@ use slipstream_bus::{InputError, TwistLimits};
 use slipstream_hosts::address::{Address, Security};
 
 use super::keys::{self, MessageName, Point};
-use super::{CommandTopic, Lab, LabRobot, PoseTopic, WheelTopic, Wire};
+use super::robot::{CommandTopic, Lab, LabRobot, PoseTopic, WheelTopic, Wire};
+
+impl Lab {
+    /// Reads the file. A model's path is relative to it.
+    ///
+    /// # Errors
+    /// The file cannot be read, or a key is missing, unknown or invalid; with its line where that is known.
+    pub fn read(path: &Path) -> Result<Self, InputError> {
+        let text =
+            std::fs::read_to_string(path).map_err(|error| InputError::unreadable(path, &error))?;
+        parse(path, &text)
+    }
+}
 
 /// The lab that a text describes.
-pub(super) fn parse(path: &Path, text: &str) -> Result<Lab, InputError> {
+fn parse(path: &Path, text: &str) -> Result<Lab, InputError> {
     let file: keys::File = toml::from_str(text).map_err(|error| {
         let line = error.span().map_or(1, |span| line_at(text, span.start));
         let problem = error.message().replace('\n', ", ");

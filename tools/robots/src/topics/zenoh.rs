@@ -11,8 +11,8 @@ use zenoh::qos::{CongestionControl, Priority};
 use zenoh::sample::Sample;
 use zenoh::{Session, Wait};
 
-use super::names::attachment;
-use super::{Heard, Opening, Topics, failed};
+use super::carrier::{Heard, Opening, Topics};
+use super::names::{Topic, attachment};
 use crate::lab::Wire;
 
 /// Largest message that is taken from the network (bytes): a joint state with a hundred joints has ten thousand.
@@ -53,7 +53,7 @@ pub fn open(opening: &Opening<'_>) -> Result<Box<dyn Topics>, BusError> {
             .wait()
             .map_err(|error| failed(&error))?;
     }
-    let publish = |topic: &super::Topic| {
+    let publish = |topic: &Topic| {
         let publisher = session
             .declare_publisher(topic.key(opening.wire))
             .express(true)
@@ -75,6 +75,13 @@ pub fn open(opening: &Opening<'_>) -> Result<Box<dyn Topics>, BusError> {
         messages,
         _session: session,
     }))
+}
+
+fn failed(error: &impl std::fmt::Display) -> BusError {
+    BusError::Failed {
+        what: "network".to_owned(),
+        reason: error.to_string(),
+    }
 }
 
 struct Network {

@@ -1,7 +1,9 @@
 //! Process of the robots: connects a [`Fleet`] to the agents' shared memory and to topics. To the agents it is the plant.
 
+mod spacing;
+
 use std::path::Path;
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 use slipstream_bus::Experiment;
@@ -18,10 +20,11 @@ use slipstream_ipc::record_pipe::RecordSender;
 use slipstream_ipc::services::{PLANT_CHUNK, Services};
 use slipstream_ipc::wake_page::{Member, Stage};
 use slipstream_recording::wire;
-use slipstream_sim::run::{SPACING_FROM_S, Spacing};
 
+use self::spacing::Spacings;
 use crate::fleet::{Content, Fleet, RobotReport, Standing};
 use crate::lab::Lab;
+use crate::system_clock::system_ns;
 use crate::topics::{self, Opening, Topics};
 
 /// Real-time priority: that of the plant.
@@ -325,63 +328,5 @@ impl Drop for Robots<'_> {
                 self.topics.publish(robot, payload);
             }
         }
-    }
-}
-
-/// Time of the system (ns since 1970), which ROS stamps messages with.
-pub(crate) fn system_ns() -> i64 {
-    let since = SystemTime::now().duration_since(UNIX_EPOCH);
-    since.map_or(0, |since| {
-        i64::try_from(since.as_nanos()).unwrap_or(i64::MAX)
-    })
-}
-
-/// Spacing errors by the poses of the robots.
-struct Spacings {
-    spacing_m: f64,
-    period_ns: i64,
-    due_ns: i64,
-    paths: Vec<Option<Spacing>>,
-    /// Largest error of each robot so far (m).
-    largest_m: Vec<Option<f64>>,
-}
-
-impl Spacings {
-    fn new(experiment: &Experiment) -> Self {
-        let robots = experiment.robots.len();
-        Self {
-            spacing_m: experiment.settings.formation.spacing_m,
-            period_ns: experiment.settings.schedule().outer_ns,
-            due_ns: 0,
-            paths: vec![None; robots],
-            largest_m: vec![None; robots],
-        }
-    }
-
-    /// Measures once in every outer period.
-    fn measure(&mut self, now_ns: i64, poses: &[Option<[f64; 3]>]) {
-        if now_ns < self.due_ns {
-            return;
-        }
-        self.due_ns = now_ns + self.period_ns;
-        for i in 1..poses.len() {
-            let (Some(ahead), Some(own)) = (poses[i - 1], poses[i]) else {
-                continue;
-            };
-            let path = self.paths[i].get_or_insert_with(|| Spacing::new(ahead));
-            path.extend(ahead);
-            if s_from_ns(now_ns) >= SPACING_FROM_S {
-                let error_m = (path.distance(own) - self.spacing_m).abs();
-                let largest = self.largest_m[i].get_or_insert(0.0);
-                *largest = largest.max(error_m);
-            }
-        }
-    }
-
-    fn largest(&self) -> f64 {
-        self.largest_m
-            .iter()
-            .flatten()
-            .fold(0.0, |all, own| own.max(all))
     }
 }
