@@ -94,7 +94,8 @@ pub struct Robots {
     pub count: u32,
     /// A robot.toml for all robots; empty: the paper's robot with wheel slip.
     pub model: String,
-    /// Where the robots start, from the front: x (m), y (m), yaw (rad) of c. Those without an entry stand in a row along x.
+    /// Where the robots start, from the front: lists of x, y and yaw of c, in m and rad. Those without an entry stand in a row
+    /// along x.
     pub start: Vec<[f64; 3]>,
 }
 

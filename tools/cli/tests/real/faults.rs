@@ -168,7 +168,12 @@ fn drive(lab: &Lab, fault: Fault, at_s: f64) -> (Child, i64) {
     wait_for("the start of the run", Duration::from_secs(60), || {
         if let Some(status) = launcher.try_wait().unwrap() {
             let mut said = String::new();
-            launcher.stderr.take().unwrap().read_to_string(&mut said).unwrap();
+            launcher
+                .stderr
+                .take()
+                .unwrap()
+                .read_to_string(&mut said)
+                .unwrap();
             panic!("{fault:?}: the run ended before it began, {status}: {said}");
         }
         let Some(role) = roles(launcher.id())

@@ -11,12 +11,13 @@ use crate::markdown::{code, head, table};
 use crate::root;
 
 /// Files with the structs and enumerations of the keys.
-const SOURCES: [&str; 5] = [
+const SOURCES: [&str; 6] = [
     "bus/src/experiment/settings.rs",
     "bus/src/experiment/profile.rs",
     "bus/src/experiment/hears.rs",
     "bus/src/experiment/parameters.rs",
     "bus/src/sensors.rs",
+    "bus/src/twist_limits.rs",
 ];
 /// Parts of units, without exponents.
 const UNITS: [&str; 8] = ["1", "s", "m", "rad", "kg", "N", "V", "messages"];
@@ -299,8 +300,11 @@ fn snake_case(name: &str) -> String {
 
 /// Name of a type, and those of its arguments.
 fn kind(own: &Type) -> (String, Vec<String>) {
-    let Type::Path(path) = own else {
-        panic!("a type without a name");
+    let path = match own {
+        Type::Path(path) => path,
+        // A pose, as an element of a list.
+        Type::Array(_) => return ("list".to_owned(), Vec::new()),
+        _ => panic!("a type without a name"),
     };
     let last = path.path.segments.last().unwrap();
     let arguments = match &last.arguments {
