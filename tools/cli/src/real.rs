@@ -73,11 +73,8 @@ fn unready(heard: &Heard, lab: &Lab) -> String {
     let robot = lab.robots.iter().find(|own| own.name == *name);
     let pose = robot.and_then(|own| own.pose.as_ref());
     let topic = match (heard.wheels_hz > 0.0, pose) {
-        (true, Some(pose)) => &pose.topic,
-        _ => robot.map_or(name, |own| match &own.wheels {
-            slipstream_robots::lab::WheelTopic::Joints { topic, .. }
-            | slipstream_robots::lab::WheelTopic::Odometry { topic } => topic,
-        }),
+        (true, Some(pose)) => pose.topic.as_str(),
+        _ => robot.map_or(name.as_str(), |own| own.wheels.topic()),
     };
     let address = robot.map_or_else(String::new, |own| own.address.to_string());
     format!(
