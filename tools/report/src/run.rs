@@ -40,18 +40,12 @@ pub struct Run<'a> {
 pub fn page(run: &Run<'_>) -> String {
     let summary = run.summary;
     let sentence = sentence(summary);
-    let slipped = slip_s(&summary.robots) > 0.0;
     let lost: u64 = summary.links.iter().map(|own| own.lost).sum();
     let missed: u64 = summary.deadlines.iter().map(|own| own.missed).sum();
-    let chip = if slipped {
-        "Wheels slipped"
-    } else {
-        "No wheel slipped"
-    };
-    let (tone, icon) = if slipped {
-        (Tone::Bad, Icon::Apart)
-    } else {
-        (Tone::Good, Icon::Tick)
+    let (chip, tone, icon) = match slip_s(&summary.robots) {
+        None => ("Slip is not known", Tone::Part, Icon::Half),
+        Some(0.0) => ("No wheel slipped", Tone::Good, Icon::Tick),
+        Some(_) => ("Wheels slipped", Tone::Bad, Icon::Apart),
     };
     let sent: u64 = summary.links.iter().map(|own| own.sent).sum();
     let facts = format!(
@@ -86,12 +80,10 @@ pub fn page(run: &Run<'_>) -> String {
     page.html()
 }
 
-fn slip_s(robots: &[RobotSummary]) -> f64 {
-    robots
-        .iter()
-        .filter_map(|own| own.slip_time_s)
-        .flatten()
-        .sum()
+fn slip_s(robots: &[RobotSummary]) -> Option<f64> {
+    let known = robots.iter().filter_map(|own| own.slip_time_s);
+    let each = known.map(|[right, left]| right + left);
+    each.reduce(|all, own| all + own)
 }
 
 fn sentence(summary: &RunSummary) -> String {
@@ -116,8 +108,9 @@ fn sentence(summary: &RunSummary) -> String {
         String::new()
     };
     let slipped = match slip {
-        0.0 => "no wheel slipped".to_owned(),
-        slip => format!("wheels slipped for {} s in all", short(slip)),
+        None => "whether wheels slipped is not known".to_owned(),
+        Some(0.0) => "no wheel slipped".to_owned(),
+        Some(slip) => format!("wheels slipped for {} s in all", short(slip)),
     };
     let rest = if held.is_empty() {
         format!(" {}", capital(&slipped))
