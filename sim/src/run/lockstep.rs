@@ -110,7 +110,7 @@ pub(super) fn read_encoders(world: &World, now_ns: i64, encoders: &mut [Encoders
 }
 
 /// What drives are told, as a command of the plant.
-pub fn command(actuation: &Actuation) -> Command {
+pub(super) fn command(actuation: &Actuation) -> Command {
     match *actuation {
         Actuation::Torque([right_nm, left_nm]) => Command::Torque { right_nm, left_nm },
         Actuation::Twist([v_m_s, w_rad_s]) => Command::Twist { v_m_s, w_rad_s },
@@ -118,7 +118,7 @@ pub fn command(actuation: &Actuation) -> Command {
 }
 
 /// The command of drives that nobody tells anything: no torque, or standstill.
-pub fn no_command(drive: Drive) -> Command {
+pub(super) fn no_command(drive: Drive) -> Command {
     command(&match drive {
         Drive::Torque => Actuation::Torque([0.0; 2]),
         Drive::Twist => Actuation::Twist([0.0; 2]),

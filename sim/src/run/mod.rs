@@ -9,7 +9,7 @@ pub mod process;
 mod spacing;
 
 pub use changes::Changes;
-pub use lockstep::{Progress, command, lockstep, no_command};
+pub use lockstep::{Progress, lockstep};
 pub use observer::{Observer, PlantReport, RobotReport};
 pub use spacing::{SPACING_FROM_S, Spacing};
 

@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use slipstream_launch::summary::RobotSummary;
 use slipstream_launch::{Resolved, RunSummary};
+use slipstream_robots::fleet::Content;
 use slipstream_robots::lab::Lab;
 use slipstream_robots::preflight::{self, Heard};
 
@@ -71,11 +72,11 @@ fn unready(heard: &Heard, lab: &Lab) -> String {
         return format!("{name}: {problem}");
     }
     let robot = lab.robots.iter().find(|own| own.name == *name);
-    let pose = robot.and_then(|own| own.pose.as_ref());
-    let topic = match (heard.wheels_hz > 0.0, pose) {
-        (true, Some(pose)) => pose.topic.as_str(),
-        _ => robot.map_or(name.as_str(), |own| own.wheels.topic()),
+    let content = match heard.wheels_hz > 0.0 {
+        true => Content::Pose,
+        false => Content::Wheels,
     };
+    let topic = robot.map_or(name.as_str(), |own| content.topic(own));
     let address = robot.map_or_else(String::new, |own| own.address.to_string());
     format!(
         "{name}: nothing came from /{topic} by {address}; look with ros2 topic hz /{topic} on the robot, and whether its bridge runs"

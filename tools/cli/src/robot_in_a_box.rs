@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use slipstream_bus::{Camera, InputError, Settings};
+use slipstream_bus::{Camera, InputError};
 use slipstream_recording::robot_file;
 use slipstream_robots::boxed::{self, BoxError, BoxOptions, BoxReport};
 use slipstream_robots::lab::{Lab, LabRobot};
@@ -122,9 +122,7 @@ impl Arguments {
     fn pose(&self, lab: &Lab, robot: &LabRobot) -> Result<[f64; 3], InputError> {
         let Some(given) = &self.pose else {
             let index = lab.robots.iter().position(|own| own.name == robot.name);
-            let index = u32::try_from(index.unwrap_or(0)).unwrap_or(0);
-            let in_a_row = Settings::default().start_pose(index);
-            return Ok(robot.start.unwrap_or(in_a_row));
+            return Ok(lab.start_pose(u32::try_from(index.unwrap_or(0)).unwrap_or(0)));
         };
         let pose = <[f64; 3]>::try_from(given.as_slice()).ok();
         let pose = pose.filter(|pose| pose.iter().all(|own| own.is_finite()));
@@ -182,8 +180,7 @@ fn failed(model: &Path, error: BoxError) -> Error {
             let place = format!("{}: {}", model.display(), error.place);
             InputError { place, ..error }.into()
         }
-        BoxError::Bus(error) => Error::Failed(error.to_string()),
-        BoxError::Log(error) => Error::Failed(format!("the log cannot be written: {error}")),
+        other => Error::Failed(other.to_string()),
     }
 }
 

@@ -95,6 +95,7 @@ pub use bag::Loss;
 pub use check::{Finding, Report, RobotReport, Severity, StreamReport, check, faults, pose_jumps};
 pub use compare::{Channel, CompareError, compare, interpolate, two_runs};
 pub use csv_folder::{read_folder, write_folder};
+pub use decode::wrapped;
 pub use error::{Error, Result};
 pub use field::Field;
 pub use follow::{Followed, Follower, next_part};

@@ -162,18 +162,8 @@ fn run(robots: usize) -> (Vec<i64>, Vec<i64>) {
             scope.spawn(move || play(own, sent, told, down));
             scope.spawn(move || follow(folder, robot, sent, told, up));
         }
-        let mut open = || {
-            let addresses = lab.addresses();
-            topics::open(&Opening {
-                connect: addresses,
-                listen: Vec::new(),
-                security: &Security::Loopback,
-                wire: Wire::Ros2dds,
-                published: Fleet::command_topics(&lab),
-                heard: Fleet::heard_topics(&lab),
-            })
-        };
-        process::run_over(folder, Parent::now(), false, &lab, &|_| (), &mut open).unwrap();
+        let open = || topics::open(&Fleet::opening(&lab));
+        process::run_over(folder, Parent::now(), false, &lab, &|_| (), open).unwrap();
     });
     directory.remove().unwrap();
     (up.into_inner().unwrap(), down.into_inner().unwrap())
@@ -200,9 +190,12 @@ fn experiment(robots: usize, limits: TwistLimits) -> Experiment {
 
 /// A robot: the angle of its right wheel numbers its messages; the speed of a command numbers that.
 fn play(own: &LabRobot, sent: &Mutex<Vec<i64>>, told: &Mutex<Vec<i64>>, down: &Mutex<Vec<i64>>) {
-    let wheels = topic(own.wheels.topic(), MessageType::JointState);
-    let command = topic(&own.command.topic, MessageType::Twist);
-    let mut topics = opened(&own.address, true, vec![wheels], vec![command]);
+    let mut topics = opened(
+        &own.address,
+        true,
+        vec![Topic::of_wheels(own)],
+        vec![Topic::of_command(own)],
+    );
     for number in 0..MESSAGES + 100 {
         let angle = f64::from(number) + 0.5;
         let message = wire::joint_angles(i64::from(number) + 1, JOINTS, [angle; 2]);

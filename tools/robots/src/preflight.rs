@@ -6,6 +6,7 @@ use slipstream_bus::Experiment;
 use slipstream_bus::record::NoRecorder;
 use slipstream_bus::transport::BusError;
 use slipstream_ipc::clock::{Monotonic, WallClock};
+use slipstream_recording::wrapped;
 
 use crate::fleet::{Fleet, RobotReport};
 use crate::lab::Lab;
@@ -22,7 +23,7 @@ pub struct Heard {
     pub poses_hz: Option<f64>,
     /// Distance of its last pose from where it has to stand at the start (m).
     pub from_start_m: Option<f64>,
-    /// The same of its heading (rad), in [−π, π].
+    /// The same of its heading (rad), in [−π, π).
     pub from_start_rad: Option<f64>,
     /// The first message that could not be read, in words.
     pub problem: Option<String>,
@@ -41,20 +42,15 @@ impl Heard {
 /// The network cannot be used.
 pub fn listen(experiment: &Experiment, lab: &Lab, time: Duration) -> Result<Vec<Heard>, BusError> {
     let opening = Opening {
-        connect: lab.addresses(),
-        listen: Vec::new(),
-        security: &lab.security,
-        wire: lab.wire,
         published: Vec::new(),
-        heard: Fleet::heard_topics(lab),
+        ..Fleet::opening(lab)
     };
     let mut topics = topics::open(&opening)?;
     let mut fleet = Fleet::new(experiment, lab);
-    let start = Monotonic::now();
-    let (clock, begin) = (WallClock::new(start), Instant::now());
+    let (clock, begin) = (WallClock::new(Monotonic::now()), Instant::now());
     while begin.elapsed() < time {
         if let Some(heard) = topics.receive(Duration::from_millis(20)) {
-            let arrived_ns = heard.arrived.to_shared() - start.to_shared();
+            let arrived_ns = clock.ns_at(heard.arrived);
             fleet.hear(heard.place, &heard.payload, arrived_ns, &mut NoRecorder);
         }
     }
@@ -75,10 +71,7 @@ pub fn listen(experiment: &Experiment, lab: &Lab, time: Duration) -> Result<Vec<
             wheels_hz: wheels.messages as f64 / seconds,
             poses_hz: lab.pose.is_some().then(|| poses.messages as f64 / seconds),
             from_start_m: last_pose.map(|own| (own[0] - x).hypot(own[1] - y)),
-            from_start_rad: last_pose.map(|own| {
-                let (sin, cos) = (own[2] - yaw).sin_cos();
-                sin.atan2(cos)
-            }),
+            from_start_rad: last_pose.map(|own| wrapped(own[2] - yaw)),
             problem,
         }
     });

@@ -53,7 +53,12 @@ impl WallClock {
 
     /// The current time of the run (ns), negative before its start.
     pub fn now_ns(&self) -> i64 {
-        Monotonic::now().ns - self.start.ns
+        self.ns_at(Monotonic::now())
+    }
+
+    /// The time of the run at a point in time (ns), negative before its start.
+    pub fn ns_at(&self, at: Monotonic) -> i64 {
+        at.ns - self.start.ns
     }
 
     /// Sleeps until the time of the run is `deadline_ns`.

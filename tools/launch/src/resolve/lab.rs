@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use slipstream_bus::experiment::{Clock, Drive, WheelSource};
-use slipstream_bus::{Experiment, InputError, Settings};
+use slipstream_bus::{Experiment, InputError};
 use slipstream_robots::lab::{Lab, WheelTopic};
 use toml::Value;
 
@@ -31,9 +31,8 @@ pub(super) fn set_keys(lab: &Lab, tree: &mut KeyTree) -> Result<(), InputError> 
         set(&format!("control.limits.{key}"), Value::Float(limit))?;
     }
     if lab.robots.iter().any(|robot| robot.start.is_some()) {
-        let in_a_row = Settings::default();
-        let start = |(index, robot): (u32, &slipstream_robots::lab::LabRobot)| {
-            let pose = robot.start.unwrap_or_else(|| in_a_row.start_pose(index));
+        let start = |(index, _)| {
+            let pose = lab.start_pose(index);
             Value::Array(pose.map(Value::Float).to_vec())
         };
         let starts = (0..).zip(&lab.robots).map(start).collect();

@@ -9,5 +9,6 @@ mod streams;
 pub(crate) use fields::{Fields, Stamp, layout_of};
 pub(crate) use links::{LinksBuilder, RoundTripsBuilder};
 pub(crate) use sample::{JointState, MessageSelector, NoSample, Sample};
-pub(crate) use speeds::{PoseSpeeds, wrapped};
+pub(crate) use speeds::PoseSpeeds;
+pub use speeds::wrapped;
 pub(crate) use streams::StreamBuilder;

@@ -34,7 +34,7 @@ impl PoseSpeeds {
 }
 
 /// The same angle in [-π, π) (rad).
-pub(crate) fn wrapped(angle_rad: f64) -> f64 {
+pub fn wrapped(angle_rad: f64) -> f64 {
     use std::f64::consts::{PI, TAU};
     (angle_rad + PI).rem_euclid(TAU) - PI
 }

@@ -12,7 +12,7 @@ use slipstream_recording::wire;
 use super::robot::BoxedRobot;
 use crate::lab::{Lab, LabRobot, WheelTopic};
 use crate::system_clock::system_ns;
-use crate::topics::{self, MessageType, Opening, Topic, Topics};
+use crate::topics::{self, Opening, Topic, Topics};
 
 /// Longest wait for a command before the plant goes on.
 const LOOK_INTERVAL: Duration = Duration::from_millis(1);
@@ -61,24 +61,6 @@ pub fn run(
     log: &mut dyn Write,
     goes_on: &mut dyn FnMut() -> bool,
 ) -> Result<BoxReport, BoxError> {
-    let wheels = Topic {
-        name: robot.wheels.topic().to_owned(),
-        message: match robot.wheels {
-            WheelTopic::Joints { .. } => MessageType::JointState,
-            WheelTopic::Odometry { .. } => MessageType::Odometry,
-        },
-    };
-    let pose = robot.pose.as_ref().map(|pose| Topic {
-        name: pose.topic.clone(),
-        message: MessageType::PoseStamped,
-    });
-    let command = Topic {
-        name: robot.command.topic.clone(),
-        message: match robot.command.is_stamped {
-            true => MessageType::TwistStamped,
-            false => MessageType::Twist,
-        },
-    };
     // A robot whose address is its own listens there; robots behind one router connect to it.
     let shares = lab.robots.iter().filter(|own| own.address == robot.address);
     let (connect, listen) = match shares.count() {
@@ -90,8 +72,10 @@ pub fn run(
         listen,
         security: &lab.security,
         wire: lab.wire,
-        published: std::iter::once(wheels).chain(pose).collect(),
-        heard: vec![command],
+        published: std::iter::once(Topic::of_wheels(robot))
+            .chain(Topic::of_pose(robot))
+            .collect(),
+        heard: vec![Topic::of_command(robot)],
     })?;
     run_over(topics, robot, options, log, goes_on)
 }
@@ -136,32 +120,17 @@ pub fn run_over(
 }
 
 /// Why a box cannot be played.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum BoxError {
     /// Its model.
-    Model(InputError),
+    #[error(transparent)]
+    Model(#[from] InputError),
     /// The network.
-    Bus(BusError),
-    /// The log cannot be written.
-    Log(std::io::Error),
-}
-
-impl From<InputError> for BoxError {
-    fn from(error: InputError) -> Self {
-        Self::Model(error)
-    }
-}
-
-impl From<BusError> for BoxError {
-    fn from(error: BusError) -> Self {
-        Self::Bus(error)
-    }
-}
-
-impl From<std::io::Error> for BoxError {
-    fn from(error: std::io::Error) -> Self {
-        Self::Log(error)
-    }
+    #[error(transparent)]
+    Bus(#[from] BusError),
+    /// The log.
+    #[error("the log cannot be written: {0}")]
+    Log(#[from] std::io::Error),
 }
 
 struct Playing<'a> {
@@ -180,17 +149,18 @@ struct Playing<'a> {
 impl Playing<'_> {
     /// Takes commands for a moment, then advances to now, and sends what was measured.
     fn step(&mut self, log: &mut dyn Write) -> Result<(), BoxError> {
+        let clock = WallClock::new(self.start);
         let mut timeout = LOOK_INTERVAL;
         let begin = Instant::now();
         while let Some(heard) = self.topics.receive(timeout) {
             timeout = Duration::ZERO;
-            let at_ns = heard.arrived.to_shared() - self.start.to_shared();
+            let at_ns = clock.ns_at(heard.arrived);
             self.take(&heard.payload, at_ns);
             if begin.elapsed() > LOOK_INTERVAL {
                 break;
             }
         }
-        let now_ns = WallClock::new(self.start).now_ns();
+        let now_ns = clock.now_ns();
         let is_axle = self.robot.pose.as_ref().is_some_and(|pose| pose.is_axle);
         let back = if is_axle {
             self.own.com_to_axle_m()
@@ -258,7 +228,7 @@ impl Playing<'_> {
         let followed = self.own.followed(now_ns);
         if followed != self.followed {
             self.followed = followed;
-            let at_ns = self.start.to_shared() + now_ns;
+            let at_ns = self.start.plus_ns(now_ns).to_shared();
             let [v, w] = followed;
             writeln!(log, "{at_ns},{v},{w}")?;
         }

@@ -110,7 +110,7 @@ impl Link {
         let stream = self.stream(content);
         if let Err(problem) = read {
             stream.unreadable += 1;
-            let topic = self.topic(content).to_owned();
+            let topic = content.topic(&self.lab);
             let problem = || format!("a message of {topic} {problem}");
             self.report.problem.get_or_insert_with(problem);
             return;
@@ -131,13 +131,6 @@ impl Link {
         match content {
             Content::Wheels => &mut self.report.wheels,
             Content::Pose => &mut self.report.poses,
-        }
-    }
-
-    fn topic(&self, content: Content) -> &str {
-        match (content, &self.lab.pose) {
-            (Content::Pose, Some(pose)) => &pose.topic,
-            _ => self.lab.wheels.topic(),
         }
     }
 
@@ -229,7 +222,6 @@ impl Link {
             self.heard_ns[place] = self.heard_ns[place].map(|own| own - later_ns);
             self.newest_ns[place] = self.newest_ns[place].saturating_sub(later_ns);
         }
-        self.sent_ns = self.sent_ns.map(|own| own - later_ns);
     }
 
     /// Why the robot has to stand.

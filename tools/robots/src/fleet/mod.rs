@@ -20,8 +20,8 @@ pub use self::content::Content;
 use self::link::Link;
 pub use self::link::Standing;
 pub use self::report::RobotReport;
-use crate::lab::{Lab, LabRobot};
-use crate::topics::{MessageType, Topic};
+use crate::lab::Lab;
+use crate::topics::{Opening, Topic};
 
 /// Number of outer periods without a command after which an agent is silent.
 const SILENT_PERIODS: f64 = 3.0;
@@ -69,35 +69,17 @@ impl Fleet {
         }
     }
 
-    /// The topics that are heard, in the order of their places.
-    pub fn heard_topics(lab: &Lab) -> Vec<Topic> {
-        let of = |robot: &LabRobot| {
-            let wheels = Topic {
-                name: robot.wheels.topic().to_owned(),
-                message: match robot.wheels {
-                    crate::lab::WheelTopic::Joints { .. } => MessageType::JointState,
-                    crate::lab::WheelTopic::Odometry { .. } => MessageType::Odometry,
-                },
-            };
-            let pose = robot.pose.as_ref().map(|pose| Topic {
-                name: pose.topic.clone(),
-                message: MessageType::PoseStamped,
-            });
-            [Some(wheels), pose].into_iter().flatten()
-        };
-        lab.robots.iter().flat_map(of).collect()
-    }
-
-    /// The topics that are published, by robot.
-    pub fn command_topics(lab: &Lab) -> Vec<Topic> {
-        let of = |robot: &LabRobot| Topic {
-            name: robot.command.topic.clone(),
-            message: match robot.command.is_stamped {
-                true => MessageType::TwistStamped,
-                false => MessageType::Twist,
-            },
-        };
-        lab.robots.iter().map(of).collect()
+    /// How the topics of a lab are opened: commands are published by robot, and heard is what [`Self::hear`] takes.
+    pub fn opening(lab: &Lab) -> Opening<'_> {
+        let heard = |robot| std::iter::once(Topic::of_wheels(robot)).chain(Topic::of_pose(robot));
+        Opening {
+            connect: lab.addresses(),
+            listen: Vec::new(),
+            security: &lab.security,
+            wire: lab.wire,
+            published: lab.robots.iter().map(Topic::of_command).collect(),
+            heard: lab.robots.iter().flat_map(heard).collect(),
+        }
     }
 
     /// Takes a message of the topic at `place` that arrived at `arrived_ns`. Returns whether it was one about wheels.

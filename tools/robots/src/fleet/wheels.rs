@@ -1,9 +1,10 @@
 //! What the wheels of a real robot have turned, as counts of encoders for its agent.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use slipstream_bus::message::Encoders;
 use slipstream_bus::{Encoder, RobotModel};
+use slipstream_recording::wrapped;
 
 /// Turn of a wheel between two messages beyond what its speed allows (rad) that still counts as a turn.
 const SLACK_RAD: f64 = 0.5;
@@ -53,7 +54,7 @@ impl Wheels {
         for side in 0..2 {
             let mut turned = angle_rad[side] - last[side];
             if turned.abs() > self.fastest_rad_s * dt_s + SLACK_RAD {
-                turned = (turned + PI).rem_euclid(TAU) - PI;
+                turned = wrapped(turned);
                 self.jumps += 1;
             }
             self.turned_rad[side] += turned;
@@ -65,7 +66,7 @@ impl Wheels {
     pub(super) fn take_pose(&mut self, pose: [f64; 3]) {
         let [x, y, yaw] = pose;
         let [last_x, last_y, last_yaw] = self.last_pose.replace(pose).unwrap_or(pose);
-        let turn = (yaw - last_yaw + PI).rem_euclid(TAU) - PI;
+        let turn = wrapped(yaw - last_yaw);
         let (sin, cos) = (last_yaw + turn / 2.0).sin_cos();
         let driven = (x - last_x) * cos + (y - last_y) * sin;
         self.turned_rad[0] += (driven + self.b * turn) / self.r;
@@ -105,8 +106,7 @@ mod tests {
         let mut wheels = wheels();
         for k in 0..200_i64 {
             let angle = 0.1 * k as f64 + 1e-9;
-            let wrapped = (angle + PI).rem_euclid(TAU) - PI;
-            wheels.take_angles([angle, -wrapped], k * 20_000_000);
+            wheels.take_angles([angle, -wrapped(angle)], k * 20_000_000);
         }
         let counts = wheels.encoders(0).counts;
         let expected = (19.9 * 1856.0 / TAU) as i64;
@@ -134,8 +134,7 @@ mod tests {
         let (r, b, radius) = (0.0365, 0.105, 1.0);
         for k in 0..=1000 {
             let yaw = 4.0 * f64::from(k) / 1000.0;
-            let wrapped = (yaw + PI).rem_euclid(TAU) - PI;
-            wheels.take_pose([radius * yaw.sin(), radius * (1.0 - yaw.cos()), wrapped]);
+            wheels.take_pose([radius * yaw.sin(), radius * (1.0 - yaw.cos()), wrapped(yaw)]);
         }
         let expected = [(radius + b) * 4.0 / r, (radius - b) * 4.0 / r];
         for (turned, expected) in wheels.turned_rad.iter().zip(expected) {

@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use slipstream_bus::TwistLimits;
+use slipstream_bus::message::RobotIndex;
+use slipstream_bus::{Settings, TwistLimits};
 use slipstream_hosts::address::{Address, Security};
 
 /// The robots of a lab, from the front of the formation.
@@ -101,6 +102,12 @@ impl Lab {
     pub fn limits(&self) -> TwistLimits {
         let limits = self.robots.iter().map(|robot| robot.limits);
         limits.fold(TwistLimits::NONE, |all, own| all.both(&own))
+    }
+
+    /// Where a robot stands at the start: as the file says, else in a row, as in the paper's platoon.
+    pub fn start_pose(&self, index: RobotIndex) -> [f64; 3] {
+        let own = self.robots.get(index as usize).and_then(|own| own.start);
+        own.unwrap_or_else(|| Settings::default().start_pose(index))
     }
 
     /// The addresses to connect to, each once.

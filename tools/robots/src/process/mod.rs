@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize};
 use slipstream_bus::Experiment;
 use slipstream_bus::experiment::OnDeath;
 use slipstream_bus::message::Encoders;
-use slipstream_bus::record::NoRecorder;
 use slipstream_bus::time::{ns_from_s, s_from_ns};
 use slipstream_bus::transport::BusError;
 use slipstream_ipc::clock::{Monotonic, RealTime, WallClock};
@@ -25,7 +24,7 @@ use self::spacing::Spacings;
 use crate::fleet::{Content, Fleet, RobotReport, Standing};
 use crate::lab::Lab;
 use crate::system_clock::system_ns;
-use crate::topics::{self, Opening, Topics};
+use crate::topics::{self, Topics};
 
 /// Real-time priority: that of the plant.
 const PRIORITY: u8 = 30;
@@ -71,17 +70,8 @@ pub fn run(
     lab: &Lab,
     notice: &dyn Fn(&str),
 ) -> Result<RobotsOutcome, BusError> {
-    let opening = Opening {
-        connect: lab.addresses(),
-        listen: Vec::new(),
-        security: &lab.security,
-        wire: lab.wire,
-        published: Fleet::command_topics(lab),
-        heard: Fleet::heard_topics(lab),
-    };
-    run_over(folder, launcher, recording, lab, notice, &mut || {
-        topics::open(&opening)
-    })
+    let open = || topics::open(&Fleet::opening(lab));
+    run_over(folder, launcher, recording, lab, notice, open)
 }
 
 /// As [`run`], over the topics that `open` opens.
@@ -94,7 +84,7 @@ pub fn run_over(
     recording: bool,
     lab: &Lab,
     notice: &dyn Fn(&str),
-    open: &mut dyn FnMut() -> Result<Box<dyn Topics>, BusError>,
+    open: impl FnOnce() -> Result<Box<dyn Topics>, BusError>,
 ) -> Result<RobotsOutcome, BusError> {
     let begin = Instant::now();
     let joined = JoinedRun::new(folder, Member::Plant, launcher)?;
@@ -170,11 +160,10 @@ impl Robots<'_> {
 
     /// Takes the messages that come within `timeout`. Returns whether wheels were heard.
     fn hear(&mut self, timeout: Duration) -> bool {
-        let start_ns = Monotonic::now().to_shared() - self.clock.now_ns();
         let (mut timeout, mut wheels) = (timeout, false);
         while let Some(heard) = self.topics.receive(timeout) {
             timeout = Duration::ZERO;
-            let arrived_ns = heard.arrived.to_shared() - start_ns;
+            let arrived_ns = self.clock.ns_at(heard.arrived);
             let records = &mut self.records;
             wheels |= self
                 .fleet
@@ -188,10 +177,7 @@ impl Robots<'_> {
         let unheard = self.fleet.unheard();
         let topic = |&(robot, content): &(usize, Content)| {
             let robot = self.lab.robots.get(robot)?;
-            Some(match (content, &robot.pose) {
-                (Content::Pose, Some(pose)) => format!("/{}", pose.topic),
-                _ => format!("/{}", robot.wheels.topic()),
-            })
+            Some(format!("/{}", content.topic(robot)))
         };
         let topics: Vec<String> = unheard.iter().filter_map(topic).collect();
         let unread = self.fleet.reports().into_iter().find_map(|own| own.problem);
@@ -236,7 +222,9 @@ impl Robots<'_> {
                 .drain_commands(|command| fleet.tell(command, now_ns))?;
             self.tell(now_ns);
             self.say_changes()?;
-            self.spacing.measure(now_ns, &self.fleet.poses());
+            if self.spacing.is_due(now_ns) {
+                self.spacing.measure(now_ns, &self.fleet.poses());
+            }
             let error_m = self.spacing.largest();
             wake_page.publish_progress(now_ns.max(0), 0.0, error_m);
             self.records.flush_if_due();
@@ -319,14 +307,6 @@ impl Drop for Robots<'_> {
     /// Whatever ends the process, robots are told to stand.
     fn drop(&mut self) {
         self.fleet.stop();
-        for (robot, lab) in self.lab.robots.iter().enumerate() {
-            if self.fleet.due(robot, i64::MAX, &mut NoRecorder).is_some() {
-                let payload = match lab.command.is_stamped {
-                    true => wire::twist_stamped(system_ns(), [0.0; 2]),
-                    false => wire::twist([0.0; 2]),
-                };
-                self.topics.publish(robot, payload);
-            }
-        }
+        self.tell(self.clock.now_ns());
     }
 }

@@ -26,11 +26,13 @@ impl Spacings {
         }
     }
 
-    /// Measures once in every outer period.
+    /// Whether it is to be measured: once in every outer period.
+    pub(super) fn is_due(&self, now_ns: i64) -> bool {
+        now_ns >= self.due_ns
+    }
+
+    /// Measures by the last poses.
     pub(super) fn measure(&mut self, now_ns: i64, poses: &[Option<[f64; 3]>]) {
-        if now_ns < self.due_ns {
-            return;
-        }
         self.due_ns = now_ns + self.period_ns;
         for i in 1..poses.len() {
             let (Some(ahead), Some(own)) = (poses[i - 1], poses[i]) else {

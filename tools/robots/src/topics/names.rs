@@ -2,6 +2,7 @@
 
 #[cfg(any(feature = "zenoh", test))]
 use crate::lab::Wire;
+use crate::lab::{LabRobot, WheelTopic};
 
 /// A topic and the type of its messages.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -58,6 +59,39 @@ impl MessageType {
                 "10f3786d7d40fd2b54367835614bff85d4ad3b5dab62bf8bca0cc232d73b4cd8",
             ],
         }
+    }
+}
+
+impl Topic {
+    /// What a robot is told.
+    pub fn of_command(robot: &LabRobot) -> Self {
+        Self {
+            name: robot.command.topic.clone(),
+            message: match robot.command.is_stamped {
+                true => MessageType::TwistStamped,
+                false => MessageType::Twist,
+            },
+        }
+    }
+
+    /// What a robot's wheels do.
+    pub fn of_wheels(robot: &LabRobot) -> Self {
+        Self {
+            name: robot.wheels.topic().to_owned(),
+            message: match robot.wheels {
+                WheelTopic::Joints { .. } => MessageType::JointState,
+                WheelTopic::Odometry { .. } => MessageType::Odometry,
+            },
+        }
+    }
+
+    /// Where a robot is, if it is tracked.
+    pub fn of_pose(robot: &LabRobot) -> Option<Self> {
+        let pose = robot.pose.as_ref()?;
+        Some(Self {
+            name: pose.topic.clone(),
+            message: MessageType::PoseStamped,
+        })
     }
 }
 

@@ -1,7 +1,7 @@
 //! Topics over Zenoh.
 
 use std::sync::mpsc::{Receiver, channel};
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::Duration;
 
 use slipstream_bus::transport::BusError;
 use slipstream_hosts::network::{Ends, open_session};
@@ -14,6 +14,7 @@ use zenoh::{Session, Wait};
 use super::carrier::{Heard, Opening, Topics};
 use super::names::{Topic, attachment};
 use crate::lab::Wire;
+use crate::system_clock::system_ns;
 
 /// Largest message that is taken from the network (bytes): a joint state with a hundred joints has ten thousand.
 const MAX_BYTES: usize = 64 << 10;
@@ -102,13 +103,10 @@ impl Topics for Network {
         self.number += 1;
         let mut put = publisher.put(payload);
         if self.attaches {
-            let since = SystemTime::now().duration_since(UNIX_EPOCH);
-            let stamp_ns = since.map_or(0, |since| since.as_nanos());
-            let stamp_ns = i64::try_from(stamp_ns).unwrap_or(i64::MAX);
             // Each topic has a publisher of its own.
             let mut identifier = self.identifier;
             identifier[15] ^= place as u8;
-            put = put.attachment(attachment(self.number, stamp_ns, identifier));
+            put = put.attachment(attachment(self.number, system_ns(), identifier));
         }
         // Where nobody listens there is nothing to do: silence of a robot is noticed by what is heard of it.
         let _ = put.wait();

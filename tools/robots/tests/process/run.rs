@@ -271,7 +271,6 @@ pub(crate) fn drive(what: Drive<'_>) -> Driven {
         page: path.clone(),
     });
     let (home, box_ends) = connect(&net);
-    let mut home = Some(home);
     let (lab, over, folder) = (lab(count), AtomicBool::new(false), directory.folder());
     let (outcome, boxes, agents) = thread::scope(|scope| {
         let boxed = lab.robots.iter().zip(&experiment.robots).zip(box_ends);
@@ -279,8 +278,8 @@ pub(crate) fn drive(what: Drive<'_>) -> Driven {
             .map(|((robot, setup), end)| scope.spawn(|| play(end, robot, setup.pose, &over)))
             .collect();
         let robots = scope.spawn(|| {
-            let mut open = || Ok(Box::new(home.take().unwrap()) as Box<dyn Topics>);
-            process::run_over(folder, Parent::now(), false, &lab, &|_| (), &mut open)
+            let open = || Ok(Box::new(home) as Box<dyn Topics>);
+            process::run_over(folder, Parent::now(), false, &lab, &|_| (), open)
         });
         let indices = 0..experiment.settings.robots.count;
         let agents: Vec<_> = indices
