@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::InputError;
 use crate::range::{self, within};
 
-/// Largest speeds and accelerations that a robot is told, of either sign.
+/// Largest speeds and accelerations of v_d and w_d, of either sign.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TwistLimits {

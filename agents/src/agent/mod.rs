@@ -286,12 +286,9 @@ impl<C: Controller> Agent<C> {
         self.plant_lost
     }
 
-    /// The desired twist within the limits of a robot that is told twists.
+    /// The desired twist within `control.limits`.
     fn within_limits(&self, desired: DesiredTwist) -> DesiredTwist {
         let control = &self.settings.control;
-        if control.drive == Drive::Torque {
-            return desired;
-        }
         let wanted = [desired.v, desired.w];
         let last = self.outer.desired;
         let [v, w] = control.limits.cut(wanted, last, control.outer_period_s);

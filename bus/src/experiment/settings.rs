@@ -171,7 +171,7 @@ pub struct Control {
     pub watchdog_deceleration_m_s2: f64,
     /// Wall clock: a controller whose encoder readings are older than this commands no torque (s).
     pub plant_timeout_s: f64,
-    /// `drive = "twist"`: limits of the twists.
+    /// Limits of v_d and w_d.
     pub limits: TwistLimits,
 }
 

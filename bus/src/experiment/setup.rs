@@ -38,8 +38,17 @@ pub enum WheelSource {
     Simulated,
     /// Wheel angles that a real robot sends.
     Angles,
+    /// Wheel angles that a real robot sends beside its own odometry.
+    AnglesAndOdometry,
     /// A real robot's odometry: the angles that its wheels would have by the model.
     Odometry,
+}
+
+impl WheelSource {
+    /// Whether a real robot tells its own odometry.
+    pub fn has_odometry(self) -> bool {
+        matches!(self, Self::AnglesAndOdometry | Self::Odometry)
+    }
 }
 
 impl Experiment {

@@ -6,8 +6,7 @@ use std::time::Duration;
 
 use slipstream_launch::summary::RobotSummary;
 use slipstream_launch::{Resolved, RunSummary};
-use slipstream_robots::fleet::Content;
-use slipstream_robots::lab::Lab;
+use slipstream_robots::lab::{Content, Lab};
 use slipstream_robots::preflight::{self, Heard};
 
 use crate::exit::{Error, Exit};
@@ -41,10 +40,27 @@ pub(crate) fn look(resolved: &Resolved, lab: &Lab) -> Result<Exit, Error> {
 }
 
 fn table(heard: &[Heard]) -> String {
-    let mut text = "robot     wheels      poses    from its start\n".to_owned();
+    let name = |content| match content {
+        Content::Wheels => "wheels",
+        Content::Pose => "poses",
+        Content::Odometry => "odometry",
+        Content::Imu => "imu",
+    };
+    let rate = |own: &Heard, content| {
+        let rates = own.rates_hz.iter();
+        let found = rates.copied().find(|(other, _)| *other == content);
+        found.map(|(_, hz)| format!("{hz:.1} Hz"))
+    };
+    let is_told = |content: &Content| heard.iter().any(|own| rate(own, *content).is_some());
+    let contents = Content::ALL.into_iter().filter(is_told);
+    let contents: Vec<Content> = contents.collect();
+    let mut text = "robot ".to_owned();
+    // Writing to a string cannot fail.
+    for &content in &contents {
+        let _ = write!(text, " {:>10}", name(content));
+    }
+    text.push_str("    from its start\n");
     for own in heard {
-        let rate = |hz: f64| format!("{hz:.1} Hz");
-        let poses = own.poses_hz.map_or("-".to_owned(), rate);
         let start = match (own.from_start_m, own.from_start_rad) {
             (Some(m), Some(rad)) => {
                 let degrees = rad.to_degrees();
@@ -58,9 +74,12 @@ fn table(heard: &[Heard]) -> String {
             }
             _ => "unknown".to_owned(),
         };
-        let wheels = rate(own.wheels_hz);
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "{:<6} {wheels:>10} {poses:>10}    {start}", own.robot);
+        let _ = write!(text, "{:<6}", own.robot);
+        for &content in &contents {
+            let rate = rate(own, content).unwrap_or_else(|| "-".to_owned());
+            let _ = write!(text, " {rate:>10}");
+        }
+        let _ = writeln!(text, "    {start}");
     }
     text
 }
@@ -72,11 +91,8 @@ fn unready(heard: &Heard, lab: &Lab) -> String {
         return format!("{name}: {problem}");
     }
     let robot = lab.robots.iter().find(|own| own.name == *name);
-    let content = match heard.wheels_hz > 0.0 {
-        true => Content::Pose,
-        false => Content::Wheels,
-    };
-    let topic = robot.map_or(name.as_str(), |own| content.topic(own));
+    let content = heard.unheard().unwrap_or(Content::Wheels);
+    let topic = robot.and_then(|own| content.topic(own)).unwrap_or(name);
     let address = robot.map_or_else(String::new, |own| own.address.to_string());
     format!(
         "{name}: nothing came from /{topic} by {address}; look with ros2 topic hz /{topic} on the robot, and whether its bridge runs"

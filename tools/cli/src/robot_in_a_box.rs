@@ -6,7 +6,8 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use slipstream_bus::{Camera, InputError};
+use slipstream_bus::experiment::Drive;
+use slipstream_bus::{Camera, Imu, InputError};
 use slipstream_recording::robot_file;
 use slipstream_robots::boxed::{self, BoxError, BoxOptions, BoxReport};
 use slipstream_robots::lab::{Lab, LabRobot};
@@ -61,7 +62,8 @@ pub(crate) struct Arguments {
     /// End after so long (s) [default: at Ctrl-C]
     #[arg(long, value_name = "S")]
     duration_s: Option<f64>,
-    /// Write every change of what it follows: time of the system's monotonic clock (ns), v (m/s), w (rad/s)
+    /// Write every change of what it follows: time of the system's monotonic clock (ns), then v (m/s) and w (rad/s), or
+    /// the torques of the right and the left wheel (N m)
     #[arg(long, value_name = "FILE.csv")]
     log: Option<PathBuf>,
     /// Write what it has seen as JSON
@@ -80,6 +82,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         model: &model,
         pose: arguments.pose(&lab, robot)?,
         camera: arguments.camera()?,
+        imu: Imu::default(),
         wheels_hz: positive("--wheels-hz", arguments.wheels_hz)?,
         command_timeout_s: positive("--command-timeout-s", arguments.command_timeout_s)?,
         seed: arguments.seed,
@@ -97,7 +100,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let report = report.map_err(|error| failed(path, error))?;
     log.flush()
         .map_err(|error| failed(path, BoxError::Log(error)))?;
-    print_report(name, &report);
+    print_report(name, robot.command.message.drive(), &report);
     if let Some(path) = &arguments.json {
         output_file::write_json(path, &report)?;
     }
@@ -184,17 +187,21 @@ fn failed(model: &Path, error: BoxError) -> Error {
     }
 }
 
-fn print_report(name: &str, report: &BoxReport) {
+fn print_report(name: &str, drive: Drive, report: &BoxReport) {
     let BoxReport {
         commands,
         unreadable,
-        largest: [v, w],
+        largest: [first, second],
         final_pose: [x, y, yaw],
         ..
     } = report;
     let degrees = yaw.to_degrees();
+    let largest = match drive {
+        Drive::Twist => format!("{first:.3} m/s and {second:.2} rad/s"),
+        Drive::Torque => format!("{first:.3} N m right and {second:.3} N m left"),
+    };
     print_line!(
-        "{name}: {commands} commands, up to {v:.3} m/s and {w:.2} rad/s; ended at {x:.3}, {y:.3} m, {degrees:.1}°"
+        "{name}: {commands} commands, up to {largest}; ended at {x:.3}, {y:.3} m, {degrees:.1}°"
     );
     if *unreadable > 0 {
         print_line!(

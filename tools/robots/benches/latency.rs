@@ -21,7 +21,9 @@ use slipstream_ipc::run_directory::RunDirectory;
 use slipstream_ipc::wake_page::{Member, Stage, WakePage};
 use slipstream_recording::wire;
 use slipstream_robots::fleet::Fleet;
-use slipstream_robots::lab::{CommandTopic, Lab, LabRobot, WheelTopic, Wire};
+use slipstream_robots::lab::{
+    CommandMessage, CommandTopic, Content, Lab, LabRobot, WheelTopic, Wire,
+};
 use slipstream_robots::process;
 use slipstream_robots::topics::{self, MessageType, Opening, Topic, Topics};
 
@@ -124,12 +126,14 @@ fn lab(addresses: &[Address], limits: TwistLimits) -> Lab {
         start: None,
         command: CommandTopic {
             topic: format!("tb{i}/cmd_vel"),
-            is_stamped: false,
+            message: CommandMessage::Twist,
         },
         wheels: WheelTopic::Joints {
             topic: format!("tb{i}/joint_states"),
             joints: JOINTS.map(str::to_owned),
         },
+        odometry: None,
+        imu: None,
         pose: None,
         limits,
     };
@@ -193,7 +197,7 @@ fn play(own: &LabRobot, sent: &Mutex<Vec<i64>>, told: &Mutex<Vec<i64>>, down: &M
     let mut topics = opened(
         &own.address,
         true,
-        vec![Topic::of_wheels(own)],
+        vec![Topic::of(Content::Wheels, own).unwrap()],
         vec![Topic::of_command(own)],
     );
     for number in 0..MESSAGES + 100 {

@@ -9,7 +9,7 @@ use slipstream_ipc::clock::{Monotonic, WallClock};
 use slipstream_recording::wrapped;
 
 use crate::fleet::{Fleet, RobotReport};
-use crate::lab::Lab;
+use crate::lab::{Content, Lab};
 use crate::topics::{self, Opening};
 
 /// What was heard of a robot.
@@ -17,10 +17,8 @@ use crate::topics::{self, Opening};
 pub struct Heard {
     /// Its name.
     pub robot: String,
-    /// Messages about its wheels in a second; 0 if it was not heard.
-    pub wheels_hz: f64,
-    /// Poses in a second; `None` where nobody tracks it.
-    pub poses_hz: Option<f64>,
+    /// What it has topics for, and the messages that came of each in a second; 0 if none came.
+    pub rates_hz: Vec<(Content, f64)>,
     /// Distance of its last pose from where it has to stand at the start (m).
     pub from_start_m: Option<f64>,
     /// The same of its heading (rad), in [−π, π).
@@ -30,9 +28,15 @@ pub struct Heard {
 }
 
 impl Heard {
+    /// The first content that was not heard.
+    pub fn unheard(&self) -> Option<Content> {
+        let silent = self.rates_hz.iter().find(|(_, hz)| *hz == 0.0);
+        silent.map(|(content, _)| *content)
+    }
+
     /// Whether all that is needed to drive it is heard.
     pub fn is_ready(&self) -> bool {
-        self.wheels_hz > 0.0 && self.poses_hz != Some(0.0) && self.problem.is_none()
+        self.unheard().is_none() && self.problem.is_none()
     }
 }
 
@@ -58,18 +62,17 @@ pub fn listen(experiment: &Experiment, lab: &Lab, time: Duration) -> Result<Vec<
     let robots = experiment.robots.iter().zip(&lab.robots);
     let heard = robots.zip(fleet.reports());
     let heard = heard.map(|((setup, lab), report)| {
+        let has_topic = |content: &Content| content.topic(lab).is_some();
+        let contents = Content::ALL.into_iter().filter(has_topic);
+        let rate = |content| (content, report.stream(content).messages as f64 / seconds);
+        let rates_hz = contents.map(rate).collect();
         let RobotReport {
-            wheels,
-            poses,
-            problem,
-            last_pose,
-            ..
+            problem, last_pose, ..
         } = report;
         let [x, y, yaw] = setup.pose;
         Heard {
             robot: lab.name.clone(),
-            wheels_hz: wheels.messages as f64 / seconds,
-            poses_hz: lab.pose.is_some().then(|| poses.messages as f64 / seconds),
+            rates_hz,
             from_start_m: last_pose.map(|own| (own[0] - x).hypot(own[1] - y)),
             from_start_rad: last_pose.map(|own| wrapped(own[2] - yaw)),
             problem,

@@ -117,8 +117,7 @@ impl McapSink {
             Record::State(state) => self.write_state(&state)?,
             // What agents read of a real robot's wheels is written as the robot sent it.
             Record::Encoders { robot, .. } if self.wheels(robot) != WheelSource::Simulated => {}
-            Record::Outer(OuterTick { robot, .. })
-                if self.wheels(robot) == WheelSource::Odometry => {}
+            Record::Outer(OuterTick { robot, .. }) if self.wheels(robot).has_odometry() => {}
             Record::Encoders {
                 t_ns,
                 robot,

@@ -19,8 +19,13 @@ pub(super) fn set_keys(lab: &Lab, tree: &mut KeyTree) -> Result<(), InputError> 
     let mut set = |key: &str, value: Value| tree.set(key, value, &origin);
     let count = i64::try_from(lab.robots.len()).unwrap_or(i64::MAX);
     set("robots.count", Value::Integer(count))?;
-    set("control.drive", Value::String("twist".to_owned()))?;
-    set("control.torque_limit", Value::String("none".to_owned()))?;
+    match lab.drive() {
+        Drive::Twist => {
+            set("control.drive", Value::String("twist".to_owned()))?;
+            set("control.torque_limit", Value::String("none".to_owned()))?;
+        }
+        Drive::Torque => set("control.drive", Value::String("torque".to_owned()))?,
+    }
     let limits = lab.limits();
     for (key, limit) in [
         ("speed_m_s", limits.speed_m_s),
@@ -60,9 +65,18 @@ pub(super) fn apply(lab: &mut Lab, experiment: &mut Experiment) -> Result<(), In
     if settings.clock != Clock::Wall {
         return refuse("drives on the wall clock".to_owned(), "add --clock wall");
     }
-    if settings.control.drive != Drive::Twist {
-        let problem = "tells robots twists".to_owned();
-        return refuse(problem, "leave control.drive = \"twist\"");
+    if settings.control.drive != lab.drive() {
+        let (problem, remedy) = match lab.drive() {
+            Drive::Twist => (
+                "has robots that take twists",
+                "leave control.drive = \"twist\"",
+            ),
+            Drive::Torque => (
+                "has robots that take torques",
+                "leave control.drive = \"torque\"",
+            ),
+        };
+        return refuse(problem.to_owned(), remedy);
     }
     if !settings.changes.is_empty() {
         let problem = "is no simulation, which alone can have [[changes]]".to_owned();
@@ -85,6 +99,7 @@ pub(super) fn apply(lab: &mut Lab, experiment: &mut Experiment) -> Result<(), In
     }
     for (setup, robot) in experiment.robots.iter_mut().zip(&lab.robots) {
         setup.wheels = match robot.wheels {
+            WheelTopic::Joints { .. } if robot.odometry.is_some() => WheelSource::AnglesAndOdometry,
             WheelTopic::Joints { .. } => WheelSource::Angles,
             WheelTopic::Odometry { .. } => WheelSource::Odometry,
         };

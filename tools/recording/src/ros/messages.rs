@@ -102,6 +102,26 @@ pub(crate) struct Imu<S> {
     pub(crate) linear_acceleration_covariance: [f64; 9],
 }
 
+/// Numbers in the order that sender and receiver have agreed on.
+#[derive(Debug, Serialize, Deserialize)]
+pub(crate) struct Float64MultiArray<D, V> {
+    pub(crate) layout: MultiArrayLayout<D>,
+    pub(crate) data: V,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+pub(crate) struct MultiArrayLayout<D> {
+    pub(crate) dim: D,
+    pub(crate) data_offset: u32,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+pub(crate) struct MultiArrayDimension<S> {
+    pub(crate) label: S,
+    pub(crate) size: u32,
+    pub(crate) stride: u32,
+}
+
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct TransformStamped<S> {
     pub(crate) header: Header<S>,

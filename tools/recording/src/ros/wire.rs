@@ -25,6 +25,15 @@ pub struct OdometryValue {
     pub velocity: [f64; 2],
 }
 
+/// What an inertial sensor measures.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ImuValue {
+    /// Specific force forward and to the left (m/s²).
+    pub acceleration_m_s2: [f64; 2],
+    /// Yaw rate (rad/s).
+    pub yaw_rate_rad_s: f64,
+}
+
 /// Reads `sensor_msgs/msg/JointState`: the angles of two joints (rad), by their names.
 ///
 /// # Errors
@@ -83,6 +92,33 @@ pub fn read_twist_stamped(bytes: &[u8]) -> Result<Stamped<[f64; 2]>, String> {
     Ok(stamped(&message.header, twist))
 }
 
+/// Reads `sensor_msgs/msg/Imu`.
+///
+/// # Errors
+/// As [`read_odometry`].
+pub fn read_imu(bytes: &[u8]) -> Result<Stamped<ImuValue>, String> {
+    let message: ros::Imu<String> = decode(bytes)?;
+    let force = message.linear_acceleration;
+    let [ax, ay, yaw_rate_rad_s] = finite([force.x, force.y, message.angular_velocity.z])?;
+    let acceleration_m_s2 = [ax, ay];
+    let value = ImuValue {
+        acceleration_m_s2,
+        yaw_rate_rad_s,
+    };
+    Ok(stamped(&message.header, value))
+}
+
+/// Reads `std_msgs/msg/Float64MultiArray` of two numbers, such as the efforts of two joints.
+///
+/// # Errors
+/// As [`read_odometry`], or it has not two numbers.
+pub fn read_two_numbers(bytes: &[u8]) -> Result<[f64; 2], String> {
+    let message: ros::Float64MultiArray<Vec<ros::MultiArrayDimension<String>>, Vec<f64>> =
+        decode(bytes)?;
+    let numbers = <[f64; 2]>::try_from(message.data);
+    finite(numbers.map_err(|all| format!("has {} numbers in place of two", all.len()))?)
+}
+
 /// `geometry_msgs/msg/Twist`.
 pub fn twist([v_m_s, w_rad_s]: [f64; 2]) -> Vec<u8> {
     encoded(&Twist::planar(v_m_s, 0.0, w_rad_s))
@@ -123,6 +159,24 @@ pub fn pose(t_ns: i64, [x_m, y_m, yaw_rad]: [f64; 3]) -> Vec<u8> {
     encoded(&ros::PoseStamped {
         header: compose::header(t_ns, compose::WORLD),
         pose: Pose::planar(x_m, y_m, yaw_rad),
+    })
+}
+
+/// `sensor_msgs/msg/Imu`.
+pub fn imu(t_ns: i64, value: ImuValue) -> Vec<u8> {
+    let [ax, ay] = value.acceleration_m_s2;
+    encoded(&compose::imu(t_ns, [ax, ay, value.yaw_rate_rad_s]))
+}
+
+/// `std_msgs/msg/Float64MultiArray` of two numbers.
+pub fn two_numbers(numbers: [f64; 2]) -> Vec<u8> {
+    let no_dimensions: &[ros::MultiArrayDimension<&str>] = &[];
+    encoded(&ros::Float64MultiArray {
+        layout: ros::MultiArrayLayout {
+            dim: no_dimensions,
+            data_offset: 0,
+        },
+        data: &numbers[..],
     })
 }
 
@@ -186,6 +240,24 @@ mod tests {
             read_pose(&pose(5, [1.0, 2.0, 0.0])).unwrap().value,
             [1.0, 2.0, 0.0]
         );
+    }
+
+    #[test]
+    fn efforts_and_imu_read_back() {
+        let bytes = two_numbers([0.25, -0.5]);
+        // Encapsulation, no dimensions, offset 0, two numbers; doubles are aligned to 8 bytes after the encapsulation.
+        assert_eq!(bytes.len(), 4 + 4 + 4 + 4 + 4 + 16);
+        assert_eq!(read_two_numbers(&bytes), Ok([0.25, -0.5]));
+        assert!(read_two_numbers(&two_numbers([f64::INFINITY, 0.0])).is_err());
+        for cut in 0..bytes.len() {
+            assert!(read_two_numbers(&bytes[..cut]).is_err(), "{cut}");
+        }
+        let value = ImuValue {
+            acceleration_m_s2: [0.1, -0.2],
+            yaw_rate_rad_s: 0.7,
+        };
+        let back = read_imu(&imu(7, value)).unwrap();
+        assert_eq!((back.stamp_ns, back.value), (7, value));
     }
 
     #[test]

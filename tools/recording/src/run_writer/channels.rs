@@ -73,8 +73,10 @@ impl RobotTopic {
                 Self::Truth,
                 Self::Contact,
             ],
-            WheelSource::Angles => &[Self::WheelAngles, Self::Camera, Self::Odometry],
-            WheelSource::Odometry => &[Self::Camera, Self::Odometry],
+            WheelSource::Angles | WheelSource::AnglesAndOdometry => {
+                &[Self::WheelAngles, Self::Camera, Self::Odometry, Self::Imu]
+            }
+            WheelSource::Odometry => &[Self::Camera, Self::Odometry, Self::Imu],
         };
         std::iter::once(command)
             .chain(measured.iter().copied())

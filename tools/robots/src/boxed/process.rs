@@ -4,13 +4,14 @@ use std::io::Write;
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
+use slipstream_bus::message::Actuation;
 use slipstream_bus::transport::BusError;
-use slipstream_bus::{Camera, InputError, RobotModel};
+use slipstream_bus::{Camera, Imu, InputError, RobotModel, Sensors};
 use slipstream_ipc::clock::{Monotonic, WallClock};
 use slipstream_recording::wire;
 
-use super::robot::BoxedRobot;
-use crate::lab::{Lab, LabRobot, WheelTopic};
+use super::robot::{BoxedRobot, Measured};
+use crate::lab::{CommandMessage, Content, Lab, LabRobot, WheelTopic};
 use crate::system_clock::system_ns;
 use crate::topics::{self, Opening, Topic, Topics};
 
@@ -26,6 +27,8 @@ pub struct BoxOptions<'a> {
     pub pose: [f64; 3],
     /// What tracks it.
     pub camera: Camera,
+    /// Its inertial sensor, for a robot that has a topic for it.
+    pub imu: Imu,
     /// Rate of wheels or odometry (1/s).
     pub wheels_hz: f64,
     /// It stands when no command has come for so long (s), as base controllers do.
@@ -41,16 +44,16 @@ pub struct BoxReport {
     pub commands: u64,
     /// Commands that could not be read.
     pub unreadable: u64,
-    /// Largest speed (m/s) and yaw rate (rad/s) that it was told.
+    /// Largest speed (m/s) and yaw rate (rad/s) that it was told, or largest torque of each wheel (N m).
     pub largest: [f64; 2],
-    /// Largest change from one command to the next: speed (m/s) and yaw rate (rad/s).
+    /// Largest change of the same from one command to the next.
     pub largest_step: [f64; 2],
     /// Its true pose at the end: x (m), y (m), yaw (rad) of c.
     pub final_pose: [f64; 3],
 }
 
 /// Plays the robot `robot` of a lab until `goes_on` says no. Every change of what it follows is a line of `log`: time of
-/// the system's monotonic clock (ns), v (m/s), w (rad/s).
+/// the system's monotonic clock (ns), then v (m/s) and w (rad/s), or the torques of the right and the left wheel (N m).
 ///
 /// # Errors
 /// Its model cannot be simulated, or the network cannot be used.
@@ -72,15 +75,22 @@ pub fn run(
         listen,
         security: &lab.security,
         wire: lab.wire,
-        published: std::iter::once(Topic::of_wheels(robot))
-            .chain(Topic::of_pose(robot))
+        published: told_topics(robot)
+            .filter_map(|content| Topic::of(content, robot))
             .collect(),
         heard: vec![Topic::of_command(robot)],
     })?;
     run_over(topics, robot, options, log, goes_on)
 }
 
-/// As [`run`], over topics that are open: wheels and pose are published at places 0 and 1, commands are heard.
+/// What a robot has topics for, in the order in which its box publishes them.
+fn told_topics(robot: &LabRobot) -> impl Iterator<Item = Content> {
+    let all = Content::ALL.into_iter();
+    all.filter(|content| content.topic(robot).is_some())
+}
+
+/// As [`run`], over topics that are open: what the robot has topics for is published in the order of [`Content::ALL`],
+/// commands are heard.
 ///
 /// # Errors
 /// Its model cannot be simulated.
@@ -92,12 +102,17 @@ pub fn run_over(
     goes_on: &mut dyn FnMut() -> bool,
 ) -> Result<BoxReport, BoxError> {
     let timeout_ns = (options.command_timeout_s * 1e9) as i64;
-    let (pose, camera) = (options.pose, options.camera.clone());
+    let sensors = Sensors {
+        camera: robot.pose.is_some().then(|| options.camera.clone()),
+        imu: robot.imu.is_some().then(|| options.imu.clone()),
+    };
+    let rest = robot.command.message.rest();
     let own = BoxedRobot::new(
         &robot.name,
         options.model,
-        pose,
-        camera,
+        options.pose,
+        sensors,
+        rest,
         timeout_ns,
         options.seed,
     )?;
@@ -109,7 +124,7 @@ pub fn run_over(
         start_system_ns: system_ns(),
         period_ns: (1e9 / options.wheels_hz) as i64,
         due_ns: 0,
-        followed: [0.0; 2],
+        followed: rest,
         report: BoxReport::default(),
     };
     while goes_on() {
@@ -142,7 +157,7 @@ struct Playing<'a> {
     start_system_ns: i64,
     period_ns: i64,
     due_ns: i64,
-    followed: [f64; 2],
+    followed: Actuation,
     report: BoxReport,
 }
 
@@ -161,21 +176,10 @@ impl Playing<'_> {
             }
         }
         let now_ns = clock.now_ns();
-        let is_axle = self.robot.pose.as_ref().is_some_and(|pose| pose.is_axle);
-        let back = if is_axle {
-            self.own.com_to_axle_m()
-        } else {
-            0.0
-        };
-        let mut poses = Vec::new();
-        self.own
-            .advance(now_ns, |t_ns, pose| poses.push((t_ns, pose)));
-        for (t_ns, [x, y, yaw]) in poses {
-            if self.robot.pose.is_some() {
-                let pose = [x - back * yaw.cos(), y - back * yaw.sin(), yaw];
-                let message = wire::pose(self.start_system_ns + t_ns, pose);
-                self.topics.publish(1, message);
-            }
+        let mut measured = Vec::new();
+        self.own.advance(now_ns, |own| measured.push(own));
+        for own in measured {
+            self.send_measured(own);
         }
         if now_ns >= self.due_ns {
             self.due_ns = (now_ns / self.period_ns + 1) * self.period_ns;
@@ -186,42 +190,68 @@ impl Playing<'_> {
     }
 
     fn take(&mut self, payload: &[u8], now_ns: i64) {
-        let read = match self.robot.command.is_stamped {
-            true => wire::read_twist_stamped(payload).map(|own| own.value),
-            false => wire::read_twist(payload),
-        };
-        let Ok(twist) = read else {
+        let Ok(command) = read_command(payload, self.robot.command.message) else {
             self.report.unreadable += 1;
             return;
         };
-        let before = self.own.followed(now_ns);
+        let (told, before) = (pair(command), pair(self.own.followed(now_ns)));
         for i in 0..2 {
             let [largest, step] = [
                 &mut self.report.largest[i],
                 &mut self.report.largest_step[i],
             ];
-            *largest = largest.max(twist[i].abs());
+            *largest = largest.max(told[i].abs());
             // A stop is allowed to be sudden.
-            if twist != [0.0; 2] {
-                *step = step.max((twist[i] - before[i]).abs());
+            if told != [0.0; 2] {
+                *step = step.max((told[i] - before[i]).abs());
             }
         }
         self.report.commands += 1;
-        self.own.tell(twist, now_ns);
+        self.own.tell(command, now_ns);
+    }
+
+    fn send_measured(&mut self, measured: Measured) {
+        let start_ns = self.start_system_ns;
+        match measured {
+            Measured::Pose(t_ns, [x, y, yaw]) => {
+                let is_axle = self.robot.pose.as_ref().is_some_and(|pose| pose.is_axle);
+                let back = if is_axle {
+                    self.own.com_to_axle_m()
+                } else {
+                    0.0
+                };
+                let pose = [x - back * yaw.cos(), y - back * yaw.sin(), yaw];
+                self.publish(Content::Pose, wire::pose(start_ns + t_ns, pose));
+            }
+            Measured::Imu(t_ns, value) => {
+                self.publish(Content::Imu, wire::imu(start_ns + t_ns, value));
+            }
+        }
     }
 
     fn send_wheels(&mut self) {
         let stamp_ns = self.start_system_ns + self.own.time_ns();
-        let message = match &self.robot.wheels {
+        let odometry = wire::odometry(stamp_ns, &self.robot.name, self.own.odometry());
+        match &self.robot.wheels {
             WheelTopic::Joints {
                 joints: [right, left],
                 ..
-            } => wire::joint_angles(stamp_ns, [right, left], self.own.wheel_angles()),
-            WheelTopic::Odometry { .. } => {
-                wire::odometry(stamp_ns, &self.robot.name, self.own.odometry())
+            } => {
+                let angles = self.own.wheel_angles();
+                let message = wire::joint_angles(stamp_ns, [right, left], angles);
+                self.publish(Content::Wheels, message);
+                self.publish(Content::Odometry, odometry);
             }
-        };
-        self.topics.publish(0, message);
+            WheelTopic::Odometry { .. } => self.publish(Content::Wheels, odometry),
+        }
+    }
+
+    /// Publishes what the robot has a topic for.
+    fn publish(&mut self, content: Content, message: Vec<u8>) {
+        let place = told_topics(self.robot).position(|own| own == content);
+        if let Some(place) = place {
+            self.topics.publish(place, message);
+        }
     }
 
     fn log_change(&mut self, now_ns: i64, log: &mut dyn Write) -> std::io::Result<()> {
@@ -229,9 +259,30 @@ impl Playing<'_> {
         if followed != self.followed {
             self.followed = followed;
             let at_ns = self.start.plus_ns(now_ns).to_shared();
-            let [v, w] = followed;
-            writeln!(log, "{at_ns},{v},{w}")?;
+            let [first, second] = pair(followed);
+            writeln!(log, "{at_ns},{first},{second}")?;
         }
         Ok(())
     }
+}
+
+fn read_command(payload: &[u8], message: CommandMessage) -> Result<Actuation, String> {
+    Ok(match message {
+        CommandMessage::Twist => Actuation::Twist(wire::read_twist(payload)?),
+        CommandMessage::TwistStamped => Actuation::Twist(wire::read_twist_stamped(payload)?.value),
+        CommandMessage::Efforts { left_first, .. } => {
+            let [first, second] = wire::read_two_numbers(payload)?;
+            Actuation::Torque(if left_first {
+                [second, first]
+            } else {
+                [first, second]
+            })
+        }
+    })
+}
+
+/// The two numbers of a command.
+fn pair(command: Actuation) -> [f64; 2] {
+    let (Actuation::Twist(pair) | Actuation::Torque(pair)) = command;
+    pair
 }

@@ -2,14 +2,15 @@
 
 use std::f64::consts::TAU;
 
-use slipstream_bus::{Camera, Encoder, InputError, RobotModel, Sensors};
-use slipstream_recording::wire::OdometryValue;
+use slipstream_bus::message::Actuation;
+use slipstream_bus::{Encoder, InputError, RobotModel, Sensors};
+use slipstream_recording::wire::{ImuValue, OdometryValue};
 use slipstream_sim::{Command, Setup, World};
 
 /// Longest step of the plant (ns).
 const STEP_NS: i64 = 1_000_000;
 
-/// A simulated robot that follows twists.
+/// A simulated robot that follows twists or torques.
 #[derive(Debug)]
 pub struct BoxedRobot {
     world: World,
@@ -17,8 +18,10 @@ pub struct BoxedRobot {
     r: f64,
     b: f64,
     com_to_axle_m: f64,
-    /// The newest twist, and when it came (ns).
-    told: ([f64; 2], i64),
+    /// What lets it stand.
+    rest: Actuation,
+    /// What it was told last, and when that came (ns).
+    told: (Actuation, i64),
     timeout_ns: i64,
     odometry: [f64; 3],
     angles: [f64; 2],
@@ -27,8 +30,8 @@ pub struct BoxedRobot {
 }
 
 impl BoxedRobot {
-    /// A robot with the effects of its model that stands at `pose` (x (m), y (m), yaw (rad) of c). `timeout_ns`: it stands
-    /// when no twist has come for so long; `camera`: measures its pose.
+    /// A robot with the effects of its model that stands at `pose` (x (m), y (m), yaw (rad) of c). `rest`: what it follows
+    /// when no command has come for `timeout_ns`; `sensors`: measure its pose and how it moves.
     ///
     /// # Errors
     /// The model cannot be simulated.
@@ -36,7 +39,8 @@ impl BoxedRobot {
         name: &str,
         model: &RobotModel,
         pose: [f64; 3],
-        camera: Camera,
+        sensors: Sensors,
+        rest: Actuation,
         timeout_ns: i64,
         seed: u64,
     ) -> Result<Self, InputError> {
@@ -44,10 +48,7 @@ impl BoxedRobot {
             name: name.to_owned(),
             model: model.clone(),
             pose,
-            sensors: Sensors {
-                camera: Some(camera),
-                imu: None,
-            },
+            sensors,
         };
         let encoder = model.encoder.as_ref().unwrap_or(&Encoder::MICRORADIANS);
         let mut own = Self {
@@ -56,7 +57,8 @@ impl BoxedRobot {
             r: model.robot.wheel_radius_m,
             b: model.robot.half_track_m,
             com_to_axle_m: model.robot.com_to_axle_m.unwrap_or(0.0),
-            told: ([0.0; 2], i64::MIN),
+            rest,
+            told: (rest, i64::MIN),
             timeout_ns,
             odometry: pose,
             angles: [0.0; 2],
@@ -67,30 +69,40 @@ impl BoxedRobot {
         Ok(own)
     }
 
-    /// Takes a twist, v (m/s) and w (rad/s), that came at `now_ns`.
-    pub fn tell(&mut self, twist: [f64; 2], now_ns: i64) {
-        self.told = (twist, now_ns);
+    /// Takes a command that came at `now_ns`.
+    pub fn tell(&mut self, command: Actuation, now_ns: i64) {
+        self.told = (command, now_ns);
     }
 
-    /// The twist that it follows at `now_ns`: the newest one, or standstill after a silence.
-    pub fn followed(&self, now_ns: i64) -> [f64; 2] {
-        let (twist, told_ns) = self.told;
+    /// What it follows at `now_ns`: the newest command, or none after a silence.
+    pub fn followed(&self, now_ns: i64) -> Actuation {
+        let (command, told_ns) = self.told;
         match now_ns.saturating_sub(told_ns) > self.timeout_ns {
-            true => [0.0; 2],
-            false => twist,
+            true => self.rest,
+            false => command,
         }
     }
 
-    /// Advances to `now_ns`. Calls `pose` with every pose that the camera has taken: its time (ns), x (m), y (m), yaw (rad).
-    pub fn advance(&mut self, now_ns: i64, mut pose: impl FnMut(i64, [f64; 3])) {
+    /// Advances to `now_ns`. Calls `measured` with all that its sensors have measured.
+    pub fn advance(&mut self, now_ns: i64, mut measured: impl FnMut(Measured)) {
         while self.world.time_ns() < now_ns {
             let at_ns = self.world.time_ns();
-            let [v_m_s, w_rad_s] = self.followed(at_ns);
+            let command = match self.followed(at_ns) {
+                Actuation::Twist([v_m_s, w_rad_s]) => Command::Twist { v_m_s, w_rad_s },
+                Actuation::Torque([right_nm, left_nm]) => Command::Torque { right_nm, left_nm },
+            };
             let step_ns = STEP_NS.min(now_ns - at_ns);
-            self.world
-                .step(step_ns, &[Command::Twist { v_m_s, w_rad_s }]);
+            self.world.step(step_ns, &[command]);
             if let Some(sample) = self.world.camera(0) {
-                pose(sample.stamp_ns, sample.value);
+                measured(Measured::Pose(sample.stamp_ns, sample.value));
+            }
+            if let Some(sample) = self.world.imu(0) {
+                let [ax, ay, yaw_rate_rad_s] = sample.value;
+                let value = ImuValue {
+                    acceleration_m_s2: [ax, ay],
+                    yaw_rate_rad_s,
+                };
+                measured(Measured::Imu(sample.stamp_ns, value));
             }
         }
     }
@@ -145,9 +157,18 @@ impl BoxedRobot {
     }
 }
 
+/// What a sensor has measured, and when (ns).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Measured {
+    /// x (m), y (m), yaw (rad) of c.
+    Pose(i64, [f64; 3]),
+    /// By the inertial sensor.
+    Imu(i64, ImuValue),
+}
+
 #[cfg(test)]
 mod tests {
-    use slipstream_bus::Body;
+    use slipstream_bus::{Body, Camera};
 
     use super::*;
 
@@ -161,15 +182,20 @@ mod tests {
         for (effect, parameters) in effects {
             model = model.with(effect, parameters);
         }
-        BoxedRobot::new("r1", &model, [0.0; 3], Camera::default(), 250_000_000, 1).unwrap()
+        let sensors = Sensors {
+            camera: Some(Camera::default()),
+            imu: None,
+        };
+        let rest = Actuation::Twist([0.0; 2]);
+        BoxedRobot::new("r1", &model, [0.0; 3], sensors, rest, 250_000_000, 1).unwrap()
     }
 
     #[test]
     fn it_follows_twists_until_they_stop_coming() {
         let mut robot = boxed(&[]);
-        robot.tell([0.2, 0.0], 0);
+        robot.tell(Actuation::Twist([0.2, 0.0]), 0);
         let mut poses = 0;
-        robot.advance(1_000_000_000, |_, _| poses += 1);
+        robot.advance(1_000_000_000, |_| poses += 1);
         // 0.25 s of driving.
         assert!(
             (robot.true_pose()[0] - 0.05).abs() < 1e-3,
@@ -178,14 +204,14 @@ mod tests {
         );
         assert!((robot.odometry().pose[0] - 0.05).abs() < 1e-3);
         assert!((29..=31).contains(&poses), "{poses}");
-        assert_eq!(robot.followed(1_000_000_000), [0.0; 2]);
+        assert_eq!(robot.followed(1_000_000_000), Actuation::Twist([0.0; 2]));
     }
 
     #[test]
     fn odometry_does_not_see_a_wheel_that_is_smaller() {
         let mut robot = boxed(&[("wheel_radius", &[("right_scale", 0.9), ("left_scale", 0.9)])]);
-        robot.tell([0.2, 0.0], 0);
-        robot.advance(200_000_000, |_, _| ());
+        robot.tell(Actuation::Twist([0.2, 0.0]), 0);
+        robot.advance(200_000_000, |_| ());
         let (odometry, truth) = (robot.odometry().pose[0], robot.true_pose()[0]);
         assert!((truth / odometry - 0.9).abs() < 1e-3, "{truth} {odometry}");
     }

@@ -1,16 +1,15 @@
 //! One robot of a fleet: what was heard of it, and what it is told.
 
-use slipstream_bus::experiment::RobotSetup;
+use slipstream_bus::experiment::{Drive, RobotSetup};
 use slipstream_bus::message::{Actuation, DriveCommand, Encoders, RobotIndex};
 use slipstream_bus::record::{EventKind, Record, Recorder};
 use slipstream_bus::time::s_from_ns;
 use slipstream_recording::wire;
 
-use super::content::Content;
 use super::report::{RobotReport, Stream};
 use super::stamps::StampClock;
 use super::wheels::Wheels;
-use crate::lab::{LabRobot, WheelTopic};
+use crate::lab::{CONTENTS, CommandMessage, Content, LabRobot, WheelTopic};
 
 /// Time after which a robot that stands is told so again (ns).
 const REPEAT_NS: i64 = 50_000_000;
@@ -26,6 +25,8 @@ pub enum Standing {
     AgentSilent,
     /// Its agent has been silent for as long as a robot may be.
     AgentLost,
+    /// It takes torques, and its wheels were faster than its limits allow.
+    TooFast,
 }
 
 /// Times without a message after which a robot stands (ns).
@@ -48,15 +49,15 @@ pub(super) struct Link {
     silences: Silences,
     wheels: Wheels,
     encoders: Encoders,
-    /// When wheels and pose were heard last (ns).
-    heard_ns: [Option<i64>; 2],
-    clocks: [StampClock; 2],
-    /// Time of the newest message of wheels and pose (ns).
-    newest_ns: [i64; 2],
+    /// When each content was heard last (ns).
+    heard_ns: [Option<i64>; CONTENTS],
+    clocks: [StampClock; CONTENTS],
+    /// Time of the newest message of each content (ns).
+    newest_ns: [i64; CONTENTS],
     /// The newest command of the agent, and when it came.
     told: Option<(DriveCommand, i64)>,
-    /// The twist that the robot was told last, when, and for which tick of the agent.
-    sent: [f64; 2],
+    /// What the robot was told last, when, and for which tick of the agent.
+    sent: Actuation,
     sent_ns: Option<i64>,
     sent_tick_ns: Option<i64>,
     begun: bool,
@@ -82,11 +83,11 @@ impl Link {
             silences,
             wheels: Wheels::new(&setup.model, rim_m_s / body.wheel_radius_m),
             encoders: Encoders::default(),
-            heard_ns: [None; 2],
-            clocks: [StampClock::default(); 2],
-            newest_ns: [i64::MIN; 2],
+            heard_ns: [None; CONTENTS],
+            clocks: [StampClock::default(); CONTENTS],
+            newest_ns: [i64::MIN; CONTENTS],
             told: None,
-            sent: [0.0; 2],
+            sent: lab.command.message.rest(),
             sent_ns: None,
             sent_tick_ns: None,
             begun: false,
@@ -106,11 +107,13 @@ impl Link {
         let read = match content {
             Content::Wheels => self.read_wheels(payload, arrived_ns, recorder),
             Content::Pose => self.read_pose(payload, arrived_ns, recorder),
+            Content::Odometry => self.read_odometry(payload, arrived_ns, recorder),
+            Content::Imu => self.read_imu(payload, arrived_ns, recorder),
         };
         let stream = self.stream(content);
         if let Err(problem) = read {
             stream.unreadable += 1;
-            let topic = content.topic(&self.lab);
+            let topic = content.topic(&self.lab).unwrap_or_default();
             let problem = || format!("a message of {topic} {problem}");
             self.report.problem.get_or_insert_with(problem);
             return;
@@ -131,6 +134,8 @@ impl Link {
         match content {
             Content::Wheels => &mut self.report.wheels,
             Content::Pose => &mut self.report.poses,
+            Content::Odometry => &mut self.report.odometry,
+            Content::Imu => &mut self.report.imu,
         }
     }
 
@@ -161,7 +166,7 @@ impl Link {
                 let odometry = wire::read_odometry(payload)?;
                 let t_ns = self.time(Content::Wheels, odometry.stamp_ns, arrived_ns)?;
                 let wire::OdometryValue { pose, velocity } = odometry.value;
-                self.wheels.take_pose(pose);
+                self.wheels.take_pose(pose, t_ns);
                 let record = Record::RobotOdometry {
                     t_ns,
                     robot,
@@ -172,9 +177,57 @@ impl Link {
             }
         };
         self.encoders = self.wheels.encoders(t_ns);
+        self.keep(t_ns, &record, recorder);
+        Ok(())
+    }
+
+    /// Records what was measured while the run goes on.
+    fn keep(&self, t_ns: i64, record: &Record, recorder: &mut impl Recorder) {
         if self.begun && t_ns >= 0 {
-            recorder.record(&record);
+            recorder.record(record);
         }
+    }
+
+    /// Reads the robot's own odometry, beside its wheels.
+    fn read_odometry(
+        &mut self,
+        payload: &[u8],
+        arrived_ns: i64,
+        recorder: &mut impl Recorder,
+    ) -> Result<(), String> {
+        let odometry = wire::read_odometry(payload)?;
+        let t_ns = self.time(Content::Odometry, odometry.stamp_ns, arrived_ns)?;
+        let wire::OdometryValue { pose, velocity } = odometry.value;
+        let robot = self.robot;
+        let record = Record::RobotOdometry {
+            t_ns,
+            robot,
+            pose,
+            velocity,
+        };
+        self.keep(t_ns, &record, recorder);
+        Ok(())
+    }
+
+    fn read_imu(
+        &mut self,
+        payload: &[u8],
+        arrived_ns: i64,
+        recorder: &mut impl Recorder,
+    ) -> Result<(), String> {
+        let imu = wire::read_imu(payload)?;
+        let t_ns = self.time(Content::Imu, imu.stamp_ns, arrived_ns)?;
+        let wire::ImuValue {
+            acceleration_m_s2,
+            yaw_rate_rad_s,
+        } = imu.value;
+        let record = Record::Imu {
+            t_ns,
+            robot: self.robot,
+            acceleration_m_s2,
+            yaw_rate_rad_s,
+        };
+        self.keep(t_ns, &record, recorder);
         Ok(())
     }
 
@@ -191,10 +244,8 @@ impl Link {
         let ahead = if is_axle { self.com_to_axle_m } else { 0.0 };
         let pose = [x + ahead * yaw.cos(), y + ahead * yaw.sin(), yaw];
         self.report.last_pose = Some(pose);
-        if self.begun && t_ns >= 0 {
-            let robot = self.robot;
-            recorder.record(&Record::Camera { t_ns, robot, pose });
-        }
+        let robot = self.robot;
+        self.keep(t_ns, &Record::Camera { t_ns, robot, pose }, recorder);
         Ok(())
     }
 
@@ -217,7 +268,7 @@ impl Link {
         self.begun = true;
         self.wheels.begin();
         self.encoders = self.wheels.encoders(self.encoders.sampled_ns - later_ns);
-        for place in 0..2 {
+        for place in 0..CONTENTS {
             self.clocks[place].begin(later_ns);
             self.heard_ns[place] = self.heard_ns[place].map(|own| own - later_ns);
             self.newest_ns[place] = self.newest_ns[place].saturating_sub(later_ns);
@@ -234,6 +285,8 @@ impl Link {
             Some(Standing::Idle)
         } else if unheard_ns.is_none_or(|own| own > self.silences.robot_ns) {
             Some(Standing::NotHeard)
+        } else if self.is_too_fast() {
+            Some(Standing::TooFast)
         } else if now_ns - told_ns > self.silences.robot_ns.max(self.silences.agent_ns) {
             Some(Standing::AgentLost)
         } else if now_ns - told_ns > self.silences.agent_ns {
@@ -243,12 +296,18 @@ impl Link {
         }
     }
 
+    /// Whether the wheels of a robot that takes torques have turned faster than its limits allow. It stays so.
+    fn is_too_fast(&self) -> bool {
+        let takes_torques = self.lab.command.message.drive() == Drive::Torque;
+        takes_torques && self.wheels.was_too_fast
+    }
+
     pub(super) fn due(
         &mut self,
         now_ns: i64,
         stopped: bool,
         recorder: &mut impl Recorder,
-    ) -> Option<[f64; 2]> {
+    ) -> Option<Actuation> {
         if !self.begun {
             return None;
         }
@@ -257,30 +316,29 @@ impl Link {
             self.note(standing, now_ns, recorder);
         }
         let since_ns = self.sent_ns.map(|sent_ns| now_ns - sent_ns);
-        let twist = match (standing, self.told) {
+        let rest = self.lab.command.message.rest();
+        let told = match (standing, self.told) {
             (Some(_), _) => {
                 let is_fresh = since_ns.is_some_and(|since_ns| since_ns < REPEAT_NS);
-                if self.sent == [0.0; 2] && is_fresh {
+                if self.sent == rest && is_fresh {
                     return None;
                 }
-                [0.0; 2]
+                rest
             }
             (None, Some((command, _))) => {
                 if self.sent_tick_ns == Some(command.tick_ns) {
                     return None;
                 }
                 let last_ns = self.sent_tick_ns.replace(command.tick_ns);
-                self.cut(
-                    &command,
-                    s_from_ns(self.time_to_accelerate(last_ns, command.tick_ns)),
-                )
+                let after_s = s_from_ns(self.time_to_accelerate(last_ns, command.tick_ns));
+                self.cut(&command, after_s)
             }
             (None, None) => return None,
         };
-        self.record(twist, now_ns, recorder);
-        (self.sent, self.sent_ns) = (twist, Some(now_ns));
+        self.record(told, now_ns, recorder);
+        (self.sent, self.sent_ns) = (told, Some(now_ns));
         self.report.commands += 1;
-        Some(twist)
+        Some(told)
     }
 
     /// The time (ns) within which speeds may change from the command for the tick `last_ns` to that for `tick_ns`: not more
@@ -291,20 +349,27 @@ impl Link {
         since_ns.clamp(0, 2 * period_ns)
     }
 
-    /// The twist of a command within the limits.
-    fn cut(&mut self, command: &DriveCommand, after_s: f64) -> [f64; 2] {
-        let wanted = match command.actuation {
-            Actuation::Twist(twist) => twist,
-            Actuation::Torque(_) => [0.0; 2],
+    /// What a command tells, within the limits. A command of another kind than the robot takes lets it stand.
+    fn cut(&mut self, command: &DriveCommand, after_s: f64) -> Actuation {
+        let told = match (command.actuation, self.sent, self.lab.command.message) {
+            (Actuation::Twist(wanted), Actuation::Twist(last), _) => {
+                Actuation::Twist(self.lab.limits.cut(wanted, last, after_s))
+            }
+            (Actuation::Torque(wanted), _, CommandMessage::Efforts { torque_nm, .. }) => {
+                Actuation::Torque(wanted.map(|own| {
+                    let own = if own.is_finite() { own } else { 0.0 };
+                    own.clamp(-torque_nm, torque_nm)
+                }))
+            }
+            (_, _, message) => message.rest(),
         };
-        let twist = self.lab.limits.cut(wanted, self.sent, after_s);
-        self.report.cut += u64::from(twist != wanted);
-        twist
+        self.report.cut += u64::from(told != command.actuation);
+        told
     }
 
     /// Records what the robot is told. Of a robot that stands the first command says it all.
-    fn record(&self, twist: [f64; 2], now_ns: i64, recorder: &mut impl Recorder) {
-        if now_ns < 0 || (self.sent == twist && self.standing.is_some()) {
+    fn record(&self, told: Actuation, now_ns: i64, recorder: &mut impl Recorder) {
+        if now_ns < 0 || (self.sent == told && self.standing.is_some()) {
             return;
         }
         let tick_ns = self.told.map_or(0, |(command, _)| command.tick_ns);
@@ -313,7 +378,7 @@ impl Link {
             taken_ns: now_ns,
             robot: self.robot,
             tick_ns,
-            actuation: Actuation::Twist(twist),
+            actuation: told,
         });
     }
 
@@ -322,7 +387,7 @@ impl Link {
             (_, Some(Standing::NotHeard)) => Some(EventKind::RobotLost),
             (_, Some(Standing::AgentSilent)) => Some(EventKind::AgentSilent),
             (Some(Standing::Idle) | None, None)
-            | (_, Some(Standing::Idle | Standing::AgentLost)) => None,
+            | (_, Some(Standing::Idle | Standing::AgentLost | Standing::TooFast)) => None,
             (Some(_), None) => Some(EventKind::RobotBack),
         };
         if let Some(kind) = kind {

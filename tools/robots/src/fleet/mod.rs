@@ -1,26 +1,24 @@
 //! Fleet: the robots of a run between their agents and their topics.
 //!
 //! It has no I/O, clock or threads. Times are ns of the run's clock, negative before the run begins. Every twist that
-//! leaves it is within the limits of `robots.toml`, and follows the last one with their accelerations. A robot is told
-//! to stand while the run has not begun or is over, while it is not heard for `control.watchdog_s`, and while its agent
-//! is silent.
+//! leaves it is within the limits of `robots.toml`, and follows the last one with their accelerations; every torque is
+//! within its limit. A robot is told to stand while the run has not begun or is over, while it is not heard for
+//! `control.watchdog_s`, while its agent is silent, and, if it takes torques, from when its wheels are too fast.
 
-mod content;
 mod link;
 mod report;
 mod stamps;
 mod wheels;
 
 use slipstream_bus::Experiment;
-use slipstream_bus::message::{DriveCommand, Encoders};
+use slipstream_bus::message::{Actuation, DriveCommand, Encoders};
 use slipstream_bus::record::Recorder;
 use slipstream_bus::time::ns_from_s;
 
-pub use self::content::Content;
 use self::link::Link;
 pub use self::link::Standing;
 pub use self::report::RobotReport;
-use crate::lab::Lab;
+use crate::lab::{Content, Lab};
 use crate::topics::{Opening, Topic};
 
 /// Number of outer periods without a command after which an agent is silent.
@@ -56,8 +54,10 @@ impl Fleet {
         };
         let pairs = experiment.robots.iter().zip(&lab.robots);
         let heard = pairs.clone().enumerate().flat_map(|(robot, (_, own))| {
-            let pose = own.pose.as_ref().map(|_| (robot, Content::Pose));
-            [Some((robot, Content::Wheels)), pose].into_iter().flatten()
+            let told = Content::ALL
+                .into_iter()
+                .filter(|content| content.topic(own).is_some());
+            told.map(move |content| (robot, content))
         });
         Self {
             heard: heard.collect(),
@@ -71,7 +71,11 @@ impl Fleet {
 
     /// How the topics of a lab are opened: commands are published by robot, and heard is what [`Self::hear`] takes.
     pub fn opening(lab: &Lab) -> Opening<'_> {
-        let heard = |robot| std::iter::once(Topic::of_wheels(robot)).chain(Topic::of_pose(robot));
+        let heard = |robot| {
+            Content::ALL
+                .into_iter()
+                .filter_map(move |content| Topic::of(content, robot))
+        };
         Opening {
             connect: lab.addresses(),
             listen: Vec::new(),
@@ -119,14 +123,13 @@ impl Fleet {
         self.stopped = true;
     }
 
-    /// The twist that a robot is to be told now, if there is anything to tell: [v (m/s), w (rad/s)]. Before the run has begun
-    /// there is nothing.
+    /// What a robot is to be told now, if there is anything to tell. Before the run has begun there is nothing.
     pub fn due(
         &mut self,
         robot: usize,
         now_ns: i64,
         recorder: &mut impl Recorder,
-    ) -> Option<[f64; 2]> {
+    ) -> Option<Actuation> {
         let stopped = self.stopped;
         let link = self.links.get_mut(robot)?;
         link.due(now_ns, stopped, recorder)
@@ -147,7 +150,7 @@ impl Fleet {
         self.links.iter().map(Link::encoders).collect()
     }
 
-    /// The robots from which nothing has come of the topic of their wheels, or of their poses.
+    /// The robots from which nothing has come of a topic.
     pub fn unheard(&self) -> Vec<(usize, Content)> {
         let is_unheard = |&&(robot, content): &&(usize, Content)| {
             let link = self.links.get(robot);

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::lab::Content;
+
 /// What was heard of a robot, and what it was told.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct RobotReport {
@@ -9,6 +11,12 @@ pub struct RobotReport {
     pub wheels: Stream,
     /// Poses; without messages where nobody tracks it.
     pub poses: Stream,
+    /// Its own odometry beside its wheels.
+    #[serde(default)]
+    pub odometry: Stream,
+    /// Its inertial sensor.
+    #[serde(default)]
+    pub imu: Stream,
     /// Commands that were sent to it.
     pub commands: u64,
     /// Commands that its limits have cut.
@@ -21,6 +29,18 @@ pub struct RobotReport {
     pub problem: Option<String>,
     /// Its last pose: x (m), y (m), yaw (rad) of c.
     pub last_pose: Option<[f64; 3]>,
+}
+
+impl RobotReport {
+    /// What was heard of a content.
+    pub fn stream(&self, content: Content) -> &Stream {
+        match content {
+            Content::Wheels => &self.wheels,
+            Content::Pose => &self.poses,
+            Content::Odometry => &self.odometry,
+            Content::Imu => &self.imu,
+        }
+    }
 }
 
 /// A stream of messages.

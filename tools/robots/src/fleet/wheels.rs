@@ -27,7 +27,18 @@ pub(super) struct Wheels {
     base: [i64; 2],
     /// Number of jumps.
     pub(super) jumps: u64,
+    /// Speed of a wheel at the robot's limits (rad/s).
+    limit_rad_s: f64,
+    /// Whether a wheel was faster than [`OVERSPEED`] times that, over [`OVERSPEED_NS`] at least.
+    pub(super) was_too_fast: bool,
+    /// Where that is measured from: angles turned (rad) and when (ns).
+    measured_from: Option<([f64; 2], i64)>,
 }
+
+/// How much faster than at its limits a wheel may turn: loops of speed overshoot.
+const OVERSPEED: f64 = 1.5;
+/// Time over which a speed is measured at least (ns): stamps of single messages scatter.
+const OVERSPEED_NS: i64 = 50_000_000;
 
 impl Wheels {
     /// The wheels of a robot that is told at most `fastest_rad_s`.
@@ -44,6 +55,9 @@ impl Wheels {
             turned_rad: [0.0; 2],
             base: [0; 2],
             jumps: 0,
+            limit_rad_s: fastest_rad_s,
+            was_too_fast: false,
+            measured_from: None,
         }
     }
 
@@ -60,10 +74,24 @@ impl Wheels {
             self.turned_rad[side] += turned;
         }
         self.last = Some((angle_rad, t_ns));
+        self.measure_speed(t_ns);
+    }
+
+    fn measure_speed(&mut self, t_ns: i64) {
+        let (from_rad, from_ns) = *self.measured_from.get_or_insert((self.turned_rad, t_ns));
+        let elapsed_ns = t_ns - from_ns;
+        if elapsed_ns >= OVERSPEED_NS {
+            let largest_rad = OVERSPEED * self.limit_rad_s * elapsed_ns as f64 * 1e-9;
+            let sides = self.turned_rad.iter().zip(from_rad);
+            self.was_too_fast |= sides
+                .map(|(now, from)| (now - from).abs())
+                .any(|own| own > largest_rad);
+            self.measured_from = Some((self.turned_rad, t_ns));
+        }
     }
 
     /// Takes the pose of an odometry: what the wheels have turned by the model since the last one.
-    pub(super) fn take_pose(&mut self, pose: [f64; 3]) {
+    pub(super) fn take_pose(&mut self, pose: [f64; 3], t_ns: i64) {
         let [x, y, yaw] = pose;
         let [last_x, last_y, last_yaw] = self.last_pose.replace(pose).unwrap_or(pose);
         let turn = wrapped(yaw - last_yaw);
@@ -71,10 +99,12 @@ impl Wheels {
         let driven = (x - last_x) * cos + (y - last_y) * sin;
         self.turned_rad[0] += (driven + self.b * turn) / self.r;
         self.turned_rad[1] += (driven - self.b * turn) / self.r;
+        self.measure_speed(t_ns);
     }
 
-    /// From now on counts begin at 0.
+    /// From now on counts begin at 0. What the wheels did before, moved by hand perhaps, is no speed of a run.
     pub(super) fn begin(&mut self) {
+        (self.was_too_fast, self.measured_from) = (false, None);
         self.base = [0; 2];
         self.base = self.counts();
     }
@@ -129,12 +159,26 @@ mod tests {
     }
 
     #[test]
+    fn a_wheel_that_is_too_fast_is_noticed_and_one_that_overshoots_is_not() {
+        let turns_at = |rad_s: f64| {
+            let mut wheels = wheels();
+            for k in 0..50_i64 {
+                wheels.take_angles([rad_s * 0.02 * k as f64, 0.0], k * 20_000_000);
+            }
+            wheels.was_too_fast
+        };
+        assert!(!turns_at(-25.0));
+        assert!(turns_at(-31.0));
+    }
+
+    #[test]
     fn odometry_on_an_arc_gives_the_turns_of_the_wheels() {
         let mut wheels = wheels();
         let (r, b, radius) = (0.0365, 0.105, 1.0);
         for k in 0..=1000 {
             let yaw = 4.0 * f64::from(k) / 1000.0;
-            wheels.take_pose([radius * yaw.sin(), radius * (1.0 - yaw.cos()), wrapped(yaw)]);
+            let pose = [radius * yaw.sin(), radius * (1.0 - yaw.cos()), wrapped(yaw)];
+            wheels.take_pose(pose, i64::from(k) * 20_000_000);
         }
         let expected = [(radius + b) * 4.0 / r, (radius - b) * 4.0 / r];
         for (turned, expected) in wheels.turned_rad.iter().zip(expected) {

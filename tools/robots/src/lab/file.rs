@@ -6,8 +6,8 @@ use slipstream_bus::message::robot_name;
 use slipstream_bus::{InputError, TwistLimits};
 use slipstream_hosts::address::{Address, Security};
 
-use super::keys::{self, MessageName, Point};
-use super::robot::{CommandTopic, Lab, LabRobot, PoseTopic, WheelTopic, Wire};
+use super::keys::{self, MessageName, Order, Point};
+use super::robot::{CommandMessage, CommandTopic, Lab, LabRobot, PoseTopic, WheelTopic, Wire};
 
 impl Lab {
     /// Reads the file. A model's path is relative to it.
@@ -77,6 +77,18 @@ fn parse(path: &Path, text: &str) -> Result<Lab, InputError> {
         })?;
         robots.push(robot);
     }
+    if let Some(odd) = robots
+        .iter()
+        .find(|own| own.command.message.drive() != robots[0].command.message.drive())
+    {
+        let key = format!("robots.{}.command.type", odd.name);
+        let problem = "is not what r1 takes".to_owned();
+        return Err(at(
+            &key,
+            problem,
+            "let all robots take twists, or all torques",
+        ));
+    }
     unshared(&robots)
         .map_err(|(key, problem)| at(&key, problem, "give each robot topics of its own"))?;
     Ok(Lab {
@@ -118,7 +130,7 @@ fn robot(
         missing("limits", "give speed_m_s, yaw_rate_rad_s, acceleration_m_s2 and yaw_acceleration_rad_s2, here or in [limits]")
     })?;
     let wheels = match (&own.wheels, &own.odometry) {
-        (Some(wheels), None) => WheelTopic::Joints {
+        (Some(wheels), _) => WheelTopic::Joints {
             topic: topic("wheels.topic", &wheels.topic)?,
             joints: [wheels.right.clone(), wheels.left.clone()],
         },
@@ -126,15 +138,11 @@ fn robot(
             topic: topic("odometry.topic", &odometry.topic)?,
         },
         (None, None) => return Err(missing("wheels", "give wheels or odometry")),
-        (Some(_), Some(_)) => {
-            let problem = "is given beside wheels".to_owned();
-            return Err((
-                "odometry",
-                problem,
-                "give the one that is closer to the encoders: wheels",
-            ));
-        }
     };
+    // An odometry that stands in for the wheels is not one beside them.
+    let beside = own.odometry.as_ref().filter(|_| own.wheels.is_some());
+    let recorded =
+        |key, own: Option<&keys::Topic>| own.map(|own| topic(key, &own.topic)).transpose();
     let pose = own.pose.as_ref().map(|pose| -> Result<PoseTopic, Problem> {
         Ok(PoseTopic {
             topic: topic("pose.topic", &pose.topic)?,
@@ -158,12 +166,55 @@ fn robot(
         start: own.start,
         command: CommandTopic {
             topic: topic("command.topic", &own.command.topic)?,
-            is_stamped: own.command.message == MessageName::TwistStamped,
+            message: message(&own.command)?,
         },
         wheels,
+        odometry: recorded("odometry.topic", beside)?,
+        imu: recorded("imu.topic", own.imu.as_ref())?,
         pose: pose.transpose()?,
         limits,
     })
+}
+
+/// What a topic of commands takes.
+fn message(own: &keys::Command) -> Result<CommandMessage, Problem> {
+    let takes_efforts = own.message == MessageName::Float64MultiArray;
+    match (own.order, own.torque_nm) {
+        (Some(order), Some(torque_nm)) if takes_efforts => {
+            let is_torque = torque_nm.is_finite() && torque_nm > 0.0;
+            let message = CommandMessage::Efforts {
+                left_first: order == Order::LeftRight,
+                torque_nm,
+            };
+            let problem = || {
+                (
+                    "command.torque_nm",
+                    format!("is {torque_nm}"),
+                    "give more than 0 N m",
+                )
+            };
+            is_torque.then_some(message).ok_or_else(problem)
+        }
+        (_, None) if takes_efforts => Err((
+            "command.torque_nm",
+            "is missing".to_owned(),
+            "give the largest torque of a wheel (N m)",
+        )),
+        (None, _) if takes_efforts => Err((
+            "command.order",
+            "is missing".to_owned(),
+            "give \"left_right\" or \"right_left\", as the controller has its joints",
+        )),
+        (None, None) if own.message == MessageName::TwistStamped => {
+            Ok(CommandMessage::TwistStamped)
+        }
+        (None, None) => Ok(CommandMessage::Twist),
+        _ => Err((
+            "command.order",
+            "and torque_nm are for torques".to_owned(),
+            "give type = \"Float64MultiArray\", or leave them out",
+        )),
+    }
 }
 
 /// A topic without the leading `/`. It is part of a key, where other characters have a meaning.
@@ -190,6 +241,11 @@ fn unshared(robots: &[LabRobot]) -> Result<(), (String, String)> {
             let shared = [
                 ("command", robot.command.topic == other.command.topic),
                 ("wheels", robot.wheels.topic() == other.wheels.topic()),
+                (
+                    "odometry",
+                    robot.odometry.is_some() && robot.odometry == other.odometry,
+                ),
+                ("imu", robot.imu.is_some() && robot.imu == other.imu),
                 ("pose", robot.pose.is_some() && pose(robot) == pose(other)),
             ];
             if let Some((key, _)) = shared.iter().find(|(_, is_shared)| *is_shared) {
@@ -239,13 +295,35 @@ pose = { topic = "vrpn/tb1/pose", point = "axle" }
             robot.command,
             CommandTopic {
                 topic: "tb1/cmd_vel".to_owned(),
-                is_stamped: true
+                message: CommandMessage::TwistStamped
             }
         );
         assert_eq!(robot.model, Path::new("lab/turtlebot3.toml"));
         assert_eq!((robot.limits.speed_m_s, lab.wire), (0.2, Wire::Ros2dds));
         assert!(robot.pose.as_ref().unwrap().is_axle);
         assert_eq!(lab.addresses().len(), 1);
+    }
+
+    #[test]
+    fn a_robot_that_takes_torques_is_read() {
+        let torques = "\"Float64MultiArray\", order = \"left_right\", torque_nm = 0.4";
+        let text = ONE.replace("\"TwistStamped\"", torques) + "imu = { topic = \"tb1/imu\" }";
+        let lab = parsed(&text).unwrap();
+        assert_eq!(lab.drive(), slipstream_bus::experiment::Drive::Torque);
+        assert_eq!(lab.robots[0].imu.as_deref(), Some("tb1/imu"));
+        for (from, to, expected) in [
+            (", torque_nm = 0.4", "", "command.torque_nm is missing"),
+            ("order = \"left_right\", ", "", "command.order is missing"),
+            (
+                "torque_nm = 0.4",
+                "torque_nm = 0.0",
+                "command.torque_nm is 0",
+            ),
+            ("Float64MultiArray", "Twist", "are for torques"),
+        ] {
+            let problem = parsed(&text.replace(from, to)).unwrap_err();
+            assert!(problem.contains(expected), "{problem}");
+        }
     }
 
     #[test]

@@ -39,6 +39,7 @@ pub(super) struct Robot {
     pub(super) command: Command,
     pub(super) wheels: Option<Wheels>,
     pub(super) odometry: Option<Topic>,
+    pub(super) imu: Option<Topic>,
     pub(super) pose: Option<Pose>,
     pub(super) limits: Option<TwistLimits>,
 }
@@ -47,9 +48,20 @@ pub(super) struct Robot {
 #[serde(deny_unknown_fields)]
 pub(super) struct Command {
     pub(super) topic: String,
-    /// `Twist` or `TwistStamped`.
+    /// `Twist`, `TwistStamped` or `Float64MultiArray`.
     #[serde(rename = "type")]
     pub(super) message: MessageName,
+    /// Order of the wheels in a `Float64MultiArray`.
+    pub(super) order: Option<Order>,
+    /// Largest torque of a wheel (N m), for a `Float64MultiArray`.
+    pub(super) torque_nm: Option<f64>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Order {
+    RightLeft,
+    LeftRight,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -58,6 +70,8 @@ pub(super) enum MessageName {
     Twist,
     #[serde(alias = "geometry_msgs/msg/TwistStamped")]
     TwistStamped,
+    #[serde(alias = "std_msgs/msg/Float64MultiArray")]
+    Float64MultiArray,
 }
 
 #[derive(Debug, Deserialize)]

@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use slipstream_bus::message::RobotIndex;
+use slipstream_bus::experiment::Drive;
+use slipstream_bus::message::{Actuation, RobotIndex};
 use slipstream_bus::{Settings, TwistLimits};
 use slipstream_hosts::address::{Address, Security};
 
@@ -47,6 +48,10 @@ pub struct LabRobot {
     pub command: CommandTopic,
     /// What its wheels do.
     pub wheels: WheelTopic,
+    /// The topic of its own odometry, `nav_msgs/msg/Odometry`, beside that of its wheels. It is recorded.
+    pub odometry: Option<String>,
+    /// The topic of its inertial sensor, `sensor_msgs/msg/Imu`. It is recorded.
+    pub imu: Option<String>,
     /// Where it is, by motion capture or a camera.
     pub pose: Option<PoseTopic>,
     /// What it may be told.
@@ -54,12 +59,46 @@ pub struct LabRobot {
 }
 
 /// The topic of commands.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct CommandTopic {
     /// The topic, without the leading `/`.
     pub topic: String,
-    /// Whether it takes `TwistStamped`; else `Twist`.
-    pub is_stamped: bool,
+    /// What it takes.
+    pub message: CommandMessage,
+}
+
+/// The message of a command.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum CommandMessage {
+    /// `geometry_msgs/msg/Twist`.
+    Twist,
+    /// `geometry_msgs/msg/TwistStamped`.
+    TwistStamped,
+    /// `std_msgs/msg/Float64MultiArray`: torques of the two wheels, as `ros2_control`'s controllers of efforts take them.
+    Efforts {
+        /// Whether the left wheel comes first.
+        left_first: bool,
+        /// Largest torque of a wheel (N m).
+        torque_nm: f64,
+    },
+}
+
+impl CommandMessage {
+    /// What the robot is told by it.
+    pub fn drive(&self) -> Drive {
+        match self {
+            Self::Twist | Self::TwistStamped => Drive::Twist,
+            Self::Efforts { .. } => Drive::Torque,
+        }
+    }
+
+    /// What lets the robot stand; one that takes torques rolls out.
+    pub fn rest(&self) -> Actuation {
+        match self.drive() {
+            Drive::Twist => Actuation::Twist([0.0; 2]),
+            Drive::Torque => Actuation::Torque([0.0; 2]),
+        }
+    }
 }
 
 /// The topic that tells what the wheels do.
@@ -98,6 +137,12 @@ impl WheelTopic {
 }
 
 impl Lab {
+    /// What the robots are told; all take the same.
+    pub fn drive(&self) -> Drive {
+        let front = self.robots.first();
+        front.map_or(Drive::Twist, |robot| robot.command.message.drive())
+    }
+
     /// The smallest of each limit.
     pub fn limits(&self) -> TwistLimits {
         let limits = self.robots.iter().map(|robot| robot.limits);

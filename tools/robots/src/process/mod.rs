@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 use slipstream_bus::Experiment;
 use slipstream_bus::experiment::OnDeath;
-use slipstream_bus::message::Encoders;
+use slipstream_bus::message::{Actuation, Encoders};
 use slipstream_bus::time::{ns_from_s, s_from_ns};
 use slipstream_bus::transport::BusError;
 use slipstream_ipc::clock::{Monotonic, RealTime, WallClock};
@@ -21,8 +21,8 @@ use slipstream_ipc::wake_page::{Member, Stage};
 use slipstream_recording::wire;
 
 use self::spacing::Spacings;
-use crate::fleet::{Content, Fleet, RobotReport, Standing};
-use crate::lab::Lab;
+use crate::fleet::{Fleet, RobotReport, Standing};
+use crate::lab::{CommandMessage, Content, Lab};
 use crate::system_clock::system_ns;
 use crate::topics::{self, Topics};
 
@@ -177,7 +177,7 @@ impl Robots<'_> {
         let unheard = self.fleet.unheard();
         let topic = |&(robot, content): &(usize, Content)| {
             let robot = self.lab.robots.get(robot)?;
-            Some(format!("/{}", content.topic(robot)))
+            Some(format!("/{}", content.topic(robot)?))
         };
         let topics: Vec<String> = unheard.iter().filter_map(topic).collect();
         let unread = self.fleet.reports().into_iter().find_map(|own| own.problem);
@@ -244,11 +244,8 @@ impl Robots<'_> {
     fn tell(&mut self, now_ns: i64) {
         for (robot, lab) in self.lab.robots.iter().enumerate() {
             let due = self.fleet.due(robot, now_ns, &mut self.records);
-            if let Some(twist) = due {
-                let payload = match lab.command.is_stamped {
-                    true => wire::twist_stamped(system_ns(), twist),
-                    false => wire::twist(twist),
-                };
+            if let Some(told) = due {
+                let payload = payload(told, lab.command.message);
                 self.topics.publish(robot, payload);
             }
         }
@@ -260,33 +257,35 @@ impl Robots<'_> {
             let Some(robot) = self.lab.robots.get(change.robot) else {
                 continue;
             };
-            let name = &robot.name;
-            let settings = &self.experiment.settings;
-            match change.standing {
+            let ends = self.experiment.settings.on_death == OnDeath::Stop;
+            let reason = match change.standing {
                 Some(Standing::NotHeard) => {
-                    let silence = settings.control.watchdog_s;
-                    let topic = robot.wheels.topic();
-                    let reason = format!("nothing came from /{topic} for {silence} s");
-                    if settings.on_death == OnDeath::Stop {
-                        return Err(BusError::Failed {
-                            what: name.clone(),
-                            reason: format!("{reason}; all robots were told to stand"),
-                        });
-                    }
-                    (self.notice)(&format!("{name}: {reason}: told to stand"));
+                    let silence = self.experiment.settings.control.watchdog_s;
+                    format!(
+                        "nothing came from /{} for {silence} s",
+                        robot.wheels.topic()
+                    )
                 }
+                Some(Standing::TooFast) => {
+                    "its wheels were faster than its limits allow".to_owned()
+                }
+                Some(Standing::AgentLost) if ends => "its agent went silent".to_owned(),
                 Some(Standing::AgentSilent) => {
-                    (self.notice)(&format!("{name}: its agent is silent: told to stand"));
+                    (self.notice)(&format!(
+                        "{}: its agent is silent: told to stand",
+                        robot.name
+                    ));
+                    continue;
                 }
-                Some(Standing::AgentLost) if settings.on_death == OnDeath::Stop => {
-                    let reason = "its agent went silent; all robots were told to stand";
-                    return Err(BusError::Failed {
-                        what: name.clone(),
-                        reason: reason.to_owned(),
-                    });
-                }
-                Some(Standing::Idle | Standing::AgentLost) | None => {}
+                Some(Standing::Idle | Standing::AgentLost) | None => continue,
+            };
+            if ends {
+                return Err(BusError::Failed {
+                    what: robot.name.clone(),
+                    reason: format!("{reason}; all robots were told to stand"),
+                });
             }
+            (self.notice)(&format!("{}: {reason}: told to stand", robot.name));
         }
         Ok(())
     }
@@ -299,6 +298,19 @@ impl Robots<'_> {
             self.tell(self.clock.now_ns());
             self.presence.show();
             self.hear(LOOK_INTERVAL);
+        }
+    }
+}
+
+/// The message that tells a robot what it is told.
+fn payload(told: Actuation, message: CommandMessage) -> Vec<u8> {
+    let (Actuation::Twist(pair) | Actuation::Torque(pair)) = told;
+    match message {
+        CommandMessage::Twist => wire::twist(pair),
+        CommandMessage::TwistStamped => wire::twist_stamped(system_ns(), pair),
+        CommandMessage::Efforts { left_first, .. } => {
+            let [right, left] = pair;
+            wire::two_numbers(if left_first { [left, right] } else { pair })
         }
     }
 }

@@ -2,7 +2,7 @@
 
 #[cfg(any(feature = "zenoh", test))]
 use crate::lab::Wire;
-use crate::lab::{LabRobot, WheelTopic};
+use crate::lab::{CommandMessage, Content, LabRobot, WheelTopic};
 
 /// A topic and the type of its messages.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -26,6 +26,10 @@ pub enum MessageType {
     Odometry,
     /// `geometry_msgs/msg/PoseStamped`.
     PoseStamped,
+    /// `sensor_msgs/msg/Imu`.
+    Imu,
+    /// `std_msgs/msg/Float64MultiArray`.
+    Float64MultiArray,
 }
 
 impl MessageType {
@@ -53,6 +57,16 @@ impl MessageType {
                 "Odometry",
                 "3cc97dc7fb7502f8714462c526d369e35b603cfc34d946e3f2eda2766dfec6e0",
             ],
+            Self::Imu => [
+                "sensor_msgs",
+                "Imu",
+                "7d9a00ff131080897a5ec7e26e315954b8eae3353c3f995c55faf71574000b5b",
+            ],
+            Self::Float64MultiArray => [
+                "std_msgs",
+                "Float64MultiArray",
+                "1025ddc6b9552d191f89ef1a8d2f60f3d373e28b283d8891ddcc974e8c55397f",
+            ],
             Self::PoseStamped => [
                 "geometry_msgs",
                 "PoseStamped",
@@ -67,31 +81,26 @@ impl Topic {
     pub fn of_command(robot: &LabRobot) -> Self {
         Self {
             name: robot.command.topic.clone(),
-            message: match robot.command.is_stamped {
-                true => MessageType::TwistStamped,
-                false => MessageType::Twist,
+            message: match robot.command.message {
+                CommandMessage::Twist => MessageType::Twist,
+                CommandMessage::TwistStamped => MessageType::TwistStamped,
+                CommandMessage::Efforts { .. } => MessageType::Float64MultiArray,
             },
         }
     }
 
-    /// What a robot's wheels do.
-    pub fn of_wheels(robot: &LabRobot) -> Self {
-        Self {
-            name: robot.wheels.topic().to_owned(),
-            message: match robot.wheels {
-                WheelTopic::Joints { .. } => MessageType::JointState,
-                WheelTopic::Odometry { .. } => MessageType::Odometry,
-            },
-        }
-    }
-
-    /// Where a robot is, if it is tracked.
-    pub fn of_pose(robot: &LabRobot) -> Option<Self> {
-        let pose = robot.pose.as_ref()?;
-        Some(Self {
-            name: pose.topic.clone(),
-            message: MessageType::PoseStamped,
-        })
+    /// What a robot tells, if it has a topic for it.
+    pub fn of(content: Content, robot: &LabRobot) -> Option<Self> {
+        let name = content.topic(robot)?.to_owned();
+        let message = match (content, &robot.wheels) {
+            (Content::Wheels, WheelTopic::Joints { .. }) => MessageType::JointState,
+            (Content::Wheels, WheelTopic::Odometry { .. }) | (Content::Odometry, _) => {
+                MessageType::Odometry
+            }
+            (Content::Pose, _) => MessageType::PoseStamped,
+            (Content::Imu, _) => MessageType::Imu,
+        };
+        Some(Self { name, message })
     }
 }
 

@@ -13,7 +13,7 @@ use slipstream_bus::experiment::OnDeath;
 use slipstream_bus::transport::BusError;
 use slipstream_ipc::join::ProcessStatus;
 
-use run::{Drive, LIMITS, Net, drive, experiment};
+use run::{Drive, LIMITS, Net, TORQUE_NM, drive, experiment, experiment_by_torques};
 
 /// How much later than it has to a robot may stand here: the machine may be busy.
 const BUSY_S: f64 = 1.0;
@@ -72,6 +72,51 @@ fn a_platoon_of_boxes_drives_and_stands_at_the_end() {
         "{:?}",
         driven.last_moved_s
     );
+}
+
+#[test]
+fn robots_that_take_torques_drive_by_the_inner_loop() {
+    let driven = drive(Drive {
+        experiment: experiment_by_torques(2, 2.5),
+        make: &built_in,
+        meanwhile: &|_| (),
+        silent: None,
+    });
+    let outcome = driven.outcome.unwrap();
+    assert_eq!(outcome.ended, ProcessStatus::Done);
+    for (report, seen) in outcome.robots.iter().zip(&driven.boxes) {
+        // The inner loop is faster than the outer one.
+        assert!(report.commands > 80, "{report:?}");
+        assert!(
+            report.odometry.messages > 80 && report.imu.messages > 150,
+            "{report:?}"
+        );
+        assert!(
+            seen.largest.iter().all(|nm| *nm > 0.0 && *nm <= TORQUE_NM),
+            "{seen:?}"
+        );
+    }
+    // As above, and it rolls on without torque until the box ends.
+    let driven_m = driven.boxes[0].final_pose[0] - 0.6096;
+    assert!((0.2..0.9).contains(&driven_m), "{driven_m}");
+}
+
+#[test]
+fn a_robot_that_takes_torques_and_is_too_fast_ends_the_run() {
+    let mut experiment = experiment_by_torques(1, 2.5);
+    // Its own speed loop thinks that it has to be faster than the robot may be.
+    experiment.settings.control.limits = slipstream_bus::TwistLimits::NONE;
+    let driven = drive(Drive {
+        experiment,
+        make: &|_| Ok(Box::new(Wild { nan_from_s: 9.0 }) as Box<dyn Controller>),
+        meanwhile: &|_| (),
+        silent: None,
+    });
+    let ended = driven.outcome.unwrap().ended;
+    let expected =
+        "r1: its wheels were faster than its limits allow; all robots were told to stand";
+    assert_eq!(ended, ProcessStatus::Failed(expected.to_owned()));
+    assert!(driven.boxes[0].largest.iter().all(|nm| *nm <= TORQUE_NM));
 }
 
 #[test]

@@ -12,7 +12,9 @@ use slipstream_agents::{AgentContext, Controller, ControllerError};
 use slipstream_bus::experiment::{Clock, Drive as DriveBy, OnDeath};
 use slipstream_bus::message::{RobotIndex, robot_name};
 use slipstream_bus::transport::BusError;
-use slipstream_bus::{Body, Camera, Encoder, Experiment, RobotModel, Settings, TwistLimits};
+use slipstream_bus::{
+    Body, Camera, Encoder, Experiment, Imu, RobotModel, RobotSetup, Settings, TwistLimits,
+};
 use slipstream_hosts::address::Security;
 use slipstream_ipc::clock::{Monotonic, WallClock};
 use slipstream_ipc::join::ProcessStatus;
@@ -21,7 +23,9 @@ use slipstream_ipc::report;
 use slipstream_ipc::run_directory::{RunDirectory, RunLock};
 use slipstream_ipc::wake_page::{Stage, WakePage};
 use slipstream_robots::boxed::{self, BoxOptions, BoxReport};
-use slipstream_robots::lab::{CommandTopic, Lab, LabRobot, PoseTopic, WheelTopic, Wire};
+use slipstream_robots::lab::{
+    CommandMessage, CommandTopic, Content, Lab, LabRobot, PoseTopic, WheelTopic, Wire,
+};
 use slipstream_robots::process::{self, RobotsOutcome};
 use slipstream_robots::topics::{Heard, Topics};
 
@@ -33,8 +37,21 @@ pub(crate) const LIMITS: TwistLimits = TwistLimits {
     yaw_acceleration_rad_s2: 20.0,
 };
 
+/// Largest torque of a wheel (N m).
+pub(crate) const TORQUE_NM: f64 = 0.05;
+
+/// Number of topics on which a robot tells something.
+const CONTENTS: usize = Content::ALL.len();
+
 /// Time without commands after which a box stands by itself (s).
 const BOX_TIMEOUT_S: f64 = 0.3;
+
+/// A platoon of the paper's robots, which are told torques.
+pub(crate) fn experiment_by_torques(robots: u32, duration_s: f64) -> Experiment {
+    let mut settings = experiment(robots, duration_s, OnDeath::Stop).settings;
+    settings.control.drive = DriveBy::Torque;
+    Experiment::new(settings, &RobotModel::paper_with_slip())
+}
 
 /// A platoon of robots that are told twists.
 pub(crate) fn experiment(robots: u32, duration_s: f64, on_death: OnDeath) -> Experiment {
@@ -147,7 +164,8 @@ impl Topics for End {
     }
 }
 
-fn lab(robots: usize) -> Lab {
+/// The robots of an experiment. Each tells all that a robot can tell.
+fn lab(experiment: &Experiment) -> Lab {
     let robot = |index: usize| {
         let name = robot_name(RobotIndex::try_from(index).unwrap());
         let topic = |last: &str| format!("tb{}/{last}", index + 1);
@@ -158,7 +176,14 @@ fn lab(robots: usize) -> Lab {
             start: None,
             command: CommandTopic {
                 topic: topic("cmd_vel"),
-                is_stamped: index.is_multiple_of(2),
+                message: match (experiment.settings.control.drive, index % 2) {
+                    (DriveBy::Torque, _) => CommandMessage::Efforts {
+                        left_first: true,
+                        torque_nm: TORQUE_NM,
+                    },
+                    (DriveBy::Twist, 0) => CommandMessage::TwistStamped,
+                    (DriveBy::Twist, _) => CommandMessage::Twist,
+                },
             },
             wheels: WheelTopic::Joints {
                 topic: topic("joint_states"),
@@ -168,6 +193,8 @@ fn lab(robots: usize) -> Lab {
                 topic: topic("pose"),
                 is_axle: false,
             }),
+            odometry: Some(topic("odom")),
+            imu: Some(topic("imu")),
             limits: LIMITS,
         }
     };
@@ -175,7 +202,7 @@ fn lab(robots: usize) -> Lab {
         path: "robots.toml".into(),
         wire: Wire::Ros2dds,
         security: Security::Loopback,
-        robots: (0..robots).map(robot).collect(),
+        robots: (0..experiment.robots.len()).map(robot).collect(),
     }
 }
 
@@ -204,8 +231,8 @@ fn connect(net: &Arc<Net>) -> (End, Vec<End>) {
     };
     let end = |(robot, messages)| End {
         net: Arc::clone(net),
-        out: (0..2)
-            .map(|own| (to_robots.clone(), 2 * robot + own, robot))
+        out: (0..CONTENTS)
+            .map(|own| (to_robots.clone(), CONTENTS * robot + own, robot))
             .collect(),
         messages,
         is_box: true,
@@ -214,11 +241,12 @@ fn connect(net: &Arc<Net>) -> (End, Vec<End>) {
 }
 
 /// Plays the box of a robot until it is over.
-fn play(end: End, robot: &LabRobot, pose: [f64; 3], over: &AtomicBool) -> (BoxReport, Vec<u8>) {
+fn play(end: End, robot: &LabRobot, setup: &RobotSetup, over: &AtomicBool) -> (BoxReport, Vec<u8>) {
     let options = BoxOptions {
-        model: &model(),
-        pose,
+        model: &setup.model,
+        pose: setup.pose,
         camera: Camera::default(),
+        imu: Imu::default(),
         wheels_hz: 50.0,
         command_timeout_s: BOX_TIMEOUT_S,
         seed: 1,
@@ -271,11 +299,11 @@ pub(crate) fn drive(what: Drive<'_>) -> Driven {
         page: path.clone(),
     });
     let (home, box_ends) = connect(&net);
-    let (lab, over, folder) = (lab(count), AtomicBool::new(false), directory.folder());
+    let (lab, over, folder) = (lab(experiment), AtomicBool::new(false), directory.folder());
     let (outcome, boxes, agents) = thread::scope(|scope| {
         let boxed = lab.robots.iter().zip(&experiment.robots).zip(box_ends);
         let boxes: Vec<_> = boxed
-            .map(|((robot, setup), end)| scope.spawn(|| play(end, robot, setup.pose, &over)))
+            .map(|((robot, setup), end)| scope.spawn(|| play(end, robot, setup, &over)))
             .collect();
         let robots = scope.spawn(|| {
             let open = || Ok(Box::new(home) as Box<dyn Topics>);
