@@ -12,7 +12,7 @@ use slipstream_ipc::clock::{Monotonic, WallClock};
 use crate::common::faults::{count, random_time, signal};
 use crate::common::programs::faulty;
 use crate::common::{command, read_json, roles, wait_for};
-use crate::lab::{LIMITS, Lab};
+use crate::lab::{LIMITS, Lab, Takes};
 use crate::proxy::{self, Cut};
 
 /// `control.watchdog_s`, and the time after which a box stands by itself (s).
@@ -104,7 +104,9 @@ fn suffer(fault: Fault) -> f64 {
     let cut = Cut::default();
     let timeout = WATCHDOG_S.to_string();
     let arguments = ["--command-timeout-s", &timeout];
-    let mut lab = Lab::start(&["", ""], "", &arguments, |port| proxy::listen(port, &cut));
+    let mut lab = Lab::start(Takes::Twists, &["", ""], "", &arguments, |port| {
+        proxy::listen(port, &cut)
+    });
     let at_s = 1.0 + random_time(Duration::from_millis(1000)).as_secs_f64();
     let (mut launcher, start_ns) = drive(&lab, fault, at_s);
     let clock = WallClock::new(Monotonic::from_shared(start_ns));

@@ -14,3 +14,4 @@ mod lab;
 mod looking;
 mod peer;
 mod proxy;
+mod torques;
