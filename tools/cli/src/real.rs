@@ -40,12 +40,6 @@ pub(crate) fn look(resolved: &Resolved, lab: &Lab) -> Result<Exit, Error> {
 }
 
 fn table(heard: &[Heard]) -> String {
-    let name = |content| match content {
-        Content::Wheels => "wheels",
-        Content::Pose => "poses",
-        Content::Odometry => "odometry",
-        Content::Imu => "imu",
-    };
     let rate = |own: &Heard, content| {
         let rates = own.rates_hz.iter();
         let found = rates.copied().find(|(other, _)| *other == content);
@@ -57,7 +51,7 @@ fn table(heard: &[Heard]) -> String {
     let mut text = "robot ".to_owned();
     // Writing to a string cannot fail.
     for &content in &contents {
-        let _ = write!(text, " {:>10}", name(content));
+        let _ = write!(text, " {:>10}", content.name());
     }
     text.push_str("    from its start\n");
     for own in heard {
@@ -132,10 +126,13 @@ fn line(robot: &RobotSummary) -> Option<String> {
     }
     line.push('\n');
     if real.stops > 0 {
+        let often = match real.stops {
+            1 => "once".to_owned(),
+            count => format!("{count} times"),
+        };
         let _ = writeln!(
             line,
-            "  told to stand {} times: not heard, or its agent was silent",
-            real.stops
+            "  told to stand {often}: not heard, or its agent was silent"
         );
     }
     if real.jumps > 0 {

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use slipstream_study::reproduce::{self, Row};
+use slipstream_study::reproduce::{self, Explanation, Row};
 
 use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
@@ -35,12 +35,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             &slipstream_report::reproduce::page(&reproduction, &command_line()),
         )?;
     }
-    print_line!(
-        "{:<62} {:>9} {:>9}  agrees",
-        "quantity",
-        "paper",
-        "computed"
-    );
+    print_explanation(&reproduction.comparison.explanation);
+    print_line!("{:<79} {:>9} {:>9}  agrees", "", "paper", "computed");
     for row in &reproduction.comparison.rows {
         print_line!("{}", format_row(row));
     }
@@ -52,7 +48,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let (yes, all) = agreements.fold((0, 0), |(yes, all), agrees| {
         (yes + u32::from(agrees), all + 1)
     });
-    print_line!("{yes} of {all} agree; --json and --report give the reasons for the others");
+    print_line!(
+        "{yes} of {all} numbers and claims agree as assumed; --report gives the reasons for the others"
+    );
     print_line!(
         "\nbeyond the paper      law             limit      slip (s)  spacing error (m)  odometry error (m)"
     );
@@ -70,11 +68,49 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     Ok(Exit::Done)
 }
 
+/// The answer first: causes, with what else it could be, what remains, and how well they predict.
+fn print_explanation(explanation: &Explanation) {
+    let cm = |m: f64| 100.0 * m;
+    print_line!("{}\n", explanation.sentence);
+    for (number, cause) in (1..).zip(&explanation.causes) {
+        print_line!(
+            "{number}. {} (without it {:.1} cm are left, with it {:.1})",
+            cause.sentence,
+            cm(cause.without_it_m),
+            cm(explanation.after_m)
+        );
+        if let Some(rival) = cause.rivals.first() {
+            let more = match cause.rivals.len() {
+                1 => String::new(),
+                count => format!(", or {} more", count - 1),
+            };
+            print_line!("   or: {rival}{more}");
+        }
+    }
+    if !explanation.remains.is_empty() {
+        print_line!("\nwhat remains: {}", explanation.remains);
+    }
+    print_line!("\nleft out, and predicted by what the others show:");
+    for own in &explanation.held_out {
+        let name = match own.left_out.as_str() {
+            "without_limit" => "without the limit",
+            "with_limit" => "with the limit",
+            robot => robot,
+        };
+        print_line!(
+            "  {name:<18} {:5.1} cm off as assumed, {:5.1} cm predicted",
+            cm(own.before_m),
+            cm(own.after_m)
+        );
+    }
+    print_line!("");
+}
+
 fn format_row(row: &Row) -> String {
     let number = |value: Option<f64>| value.map_or("—".to_owned(), |value| format!("{value:.4}"));
     let agrees = row
         .agrees
         .map_or("", |agrees| if agrees { "yes" } else { "no" });
     let (paper, computed) = (number(row.paper), number(row.computed));
-    format!("{:<62} {paper:>9} {computed:>9}  {agrees}", row.quantity)
+    format!("{:<79} {paper:>9} {computed:>9}  {agrees}", row.name)
 }

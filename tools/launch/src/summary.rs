@@ -11,7 +11,7 @@ use slipstream_bus::experiment::Clock;
 use slipstream_bus::link::LinkCounts;
 use slipstream_bus::message::{RobotIndex, robot_name};
 use slipstream_ipc::clock::{Deadlines, RealTime};
-use slipstream_robots::fleet::RobotReport;
+pub use slipstream_robots::fleet::{RobotReport, Stream};
 use slipstream_robots::process::RobotsOutcome;
 use slipstream_sim::run::PlantReport;
 use slipstream_sim::run::process::PlantOutcome;

@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 use slipstream_bus::Experiment;
 use slipstream_launch::RunSummary;
-use slipstream_launch::summary::RobotSummary;
+use slipstream_launch::summary::{RobotSummary, Stream};
 use slipstream_recording::recording::{Recording, Robot};
 
 use crate::parts::{
@@ -59,6 +59,9 @@ pub fn page(run: &Run<'_>) -> String {
         (verdict(tone, icon, chip, &facts, &sentence, &lead(summary)))
         section class="first" { (charts(run)) }
         section { h2 { "Robots" } (robots(summary)) }
+        @if summary.robots.iter().any(|own| own.real.is_some()) {
+            section { h2 { "What real robots told and were told" } (real(summary)) }
+        }
         section { h2 { "Links" } (links(summary)) }
         @if !summary.deadlines.is_empty() { section { h2 { "Deadlines" } (deadlines(summary)) } }
     };
@@ -340,6 +343,45 @@ fn robots(summary: &RunSummary) -> Markup {
         "Largest v_d, m/s",
     ];
     table("What each robot did", &heads, &rows)
+}
+
+/// What was heard of real robots, and what they were told.
+fn real(summary: &RunSummary) -> Markup {
+    let gap = |own: &Stream| match own.messages {
+        0 => Cell::number(f64::NAN, "–"),
+        _ => Cell::number(own.longest_gap_s, short(1000.0 * own.longest_gap_s)),
+    };
+    let row = |own: &RobotSummary| {
+        let real = own.real.as_ref()?;
+        let unreadable = [&real.wheels, &real.poses, &real.odometry, &real.imu];
+        let unreadable = unreadable.iter().map(|own| own.unreadable).sum();
+        Some(vec![
+            Cell::text(&own.robot),
+            Cell::count(real.commands),
+            Cell::count(real.cut),
+            Cell::count(real.stops),
+            Cell::count(real.wheels.messages),
+            gap(&real.wheels),
+            Cell::count(real.poses.messages),
+            gap(&real.poses),
+            Cell::count(real.jumps),
+            Cell::count(unreadable),
+        ])
+    };
+    let rows: Vec<Vec<Cell>> = summary.robots.iter().filter_map(row).collect();
+    let heads = [
+        "Robot",
+        "Commands",
+        "Cut by limits",
+        "Told to stand",
+        "Wheel messages",
+        "Longest gap, ms",
+        "Poses",
+        "Longest gap, ms",
+        "Jumps",
+        "Unreadable",
+    ];
+    table("Commands, and what was heard of each robot", &heads, &rows)
 }
 
 fn links(summary: &RunSummary) -> Markup {

@@ -1,7 +1,9 @@
 //! The page of a trace: where the time went between encoder and torque, stage by stage.
 
 use maud::{Markup, html};
-use slipstream_trace::{Answer, Hop, Host, Percentiles, Reading, Uncertainty, ages_over_time};
+use slipstream_trace::{
+    Answer, Hop, Host, Percentiles, Reading, TopicDelay, Uncertainty, ages_over_time,
+};
 
 use crate::parts::{
     Cell, Fact, Frame, Icon, Ink, Page, Row, Rows, Scale, Tone, fixed, table, verdict,
@@ -34,7 +36,7 @@ pub fn page(latency: &Latency<'_>) -> String {
     let hop = median_hop(answer);
     let sentence = hop.map_or_else(
         || "No position was used: nothing to measure.".to_owned(),
-        sentence,
+        |hop| sentence(hop, !answer.topics.is_empty()),
     );
     let troubles = troubles(answer);
     let (tone, icon) = if troubles.is_empty() {
@@ -55,6 +57,7 @@ pub fn page(latency: &Latency<'_>) -> String {
             div { h2 { "Age of the position in use" } (ages(latency)) }
         } }
         (loops(answer))
+        (topics(answer))
         (hosts(answer))
         (against(answer))
     };
@@ -84,7 +87,7 @@ fn median_hop(answer: &Answer) -> Option<&Hop> {
     hops.get(hops.len() / 2).copied()
 }
 
-fn sentence(hop: &Hop) -> String {
+fn sentence(hop: &Hop, is_real: bool) -> String {
     let total = hop.end_to_end.map_or(0.0, |own| own.p50_s);
     let mut stages: Vec<(&str, f64)> = hop
         .stages
@@ -102,7 +105,9 @@ fn sentence(hop: &Hop) -> String {
         "injected_delay" => "is the delay you set",
         "outer_wait" => "the wait for the next outer tick",
         "inner_wait" => "the wait for the next inner tick",
+        "apply_wait" if is_real => "the way to the robot's topic",
         "apply_wait" => "the wait for the plant step",
+        "sample_wait" if is_real => "the way from the robot and the wait for the sender's tick",
         "sample_wait" => "the wait for the sender's tick",
         "compute" => "computing",
         _ => "the bus",
@@ -115,8 +120,9 @@ fn sentence(hop: &Hop) -> String {
         parts.push(format!("{} ms all the rest", ms(rest)));
     }
     format!(
-        "A position takes {} ms from encoder to torque: {}.",
+        "A position takes {} ms from encoder to {}: {}.",
         ms(total),
+        if is_real { "command" } else { "torque" },
         parts.join(", ")
     )
 }
@@ -433,6 +439,30 @@ fn loops(answer: &Answer) -> Markup {
             p class="sub" { "How long after its due time each tick began, in ms." }
             (table("Deadlines of each loop", &["Loop", "Ticks", "Missed", "Left out", "Late p50", "p99", "Largest", "Jitter p99"], &rows))
         }
+    }
+}
+
+/// How long messages of real robots were under way.
+fn topics(answer: &Answer) -> Markup {
+    let row = |own: &TopicDelay| {
+        let time = |value: f64| Cell::number(value, ms(value));
+        vec![
+            Cell::text(format!("{} {}", own.robot, own.topic)),
+            Cell::count(own.messages),
+            time(own.figures.p50_s),
+            time(own.figures.p95_s),
+            time(own.figures.p99_s),
+            time(own.figures.max_s),
+        ]
+    };
+    let rows: Vec<Vec<Cell>> = answer.topics.iter().map(row).collect();
+    html! {
+        @if !rows.is_empty() { section {
+            h2 { "Topics of the robots" }
+            p class="sub" { "How long messages were under way, in ms. What a robot tells: from its stamp, beyond its fastest message. \
+                Commands: from the end of the agent's tick to the topic." }
+            (table("Delay of each topic", &["Topic", "Messages", "p50", "p95", "p99", "Largest"], &rows))
+        } }
     }
 }
 

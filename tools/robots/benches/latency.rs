@@ -1,7 +1,8 @@
 //! Latency from a robot's topic to its agent and from the agent to the topic, beside Zenoh alone, in one run.
 //!
-//! `cargo bench -p slipstream-robots --features zenoh`. Robots, agents and the process between them are threads here; what
-//! they use (shared memory, topics over TCP) is that of a run. Agents look every 0.2 ms for what is new.
+//! `cargo bench -p slipstream-robots --features zenoh`. Robots, agents and the process between them are threads here, and the
+//! robots are behind one bridge. What they use (shared memory, topics over TCP) is that of a run. Agents look every 0.2 ms
+//! for what is new.
 #![allow(clippy::unwrap_used, reason = "a benchmark may panic")]
 
 use std::sync::Mutex;
@@ -118,8 +119,8 @@ fn alone(address: &Address) -> Vec<i64> {
     })
 }
 
-fn lab(addresses: &[Address], limits: TwistLimits) -> Lab {
-    let robot = |(i, address): (usize, &Address)| LabRobot {
+fn lab(address: &Address, robots: usize, limits: TwistLimits) -> Lab {
+    let robot = |i: usize| LabRobot {
         name: format!("r{}", i + 1),
         address: address.clone(),
         model: "model.toml".into(),
@@ -141,7 +142,7 @@ fn lab(addresses: &[Address], limits: TwistLimits) -> Lab {
         path: "robots.toml".into(),
         wire: Wire::Ros2dds,
         security: Security::Loopback,
-        robots: addresses.iter().enumerate().map(robot).collect(),
+        robots: (0..robots).map(robot).collect(),
     }
 }
 
@@ -154,18 +155,16 @@ fn run(robots: usize) -> (Vec<i64>, Vec<i64>) {
     let bytes = postcard::to_allocvec(&experiment).unwrap();
     std::fs::write(directory.experiment(), bytes).unwrap();
     WakePage::create(&directory.wake_page(), robots).unwrap();
-    let addresses: Vec<Address> = (0..robots).map(|_| address()).collect();
-    let lab = lab(&addresses, limits);
+    let lab = lab(&address(), robots, limits);
     let folder = directory.folder();
     let (up, down) = (Mutex::new(Vec::new()), Mutex::new(Vec::new()));
+    let times: Vec<Times> = (0..robots).map(|_| Times::default()).collect();
     thread::scope(|scope| {
-        for (robot, own) in lab.robots.iter().enumerate() {
-            let (up, down) = (&up, &down);
-            let sent: &'static Mutex<Vec<i64>> = Box::leak(Box::default());
-            let told: &'static Mutex<Vec<i64>> = Box::leak(Box::default());
-            scope.spawn(move || play(own, sent, told, down));
-            scope.spawn(move || follow(folder, robot, sent, told, up));
+        for (robot, times) in times.iter().enumerate() {
+            let up = &up;
+            scope.spawn(move || follow(folder, robot, times, up));
         }
+        scope.spawn(|| play(&lab, &times, &down));
         let open = || topics::open(&Fleet::opening(&lab));
         process::run_over(folder, Parent::now(), false, &lab, &|_| (), open).unwrap();
     });
@@ -192,30 +191,41 @@ fn experiment(robots: usize, limits: TwistLimits) -> Experiment {
     Experiment::new(settings, &model)
 }
 
-/// A robot: the angle of its right wheel numbers its messages; the speed of a command numbers that.
-fn play(own: &LabRobot, sent: &Mutex<Vec<i64>>, told: &Mutex<Vec<i64>>, down: &Mutex<Vec<i64>>) {
-    let mut topics = opened(
-        &own.address,
-        true,
-        vec![Topic::of(Content::Wheels, own).unwrap()],
-        vec![Topic::of_command(own)],
-    );
-    for number in 0..MESSAGES + 100 {
-        let angle = f64::from(number) + 0.5;
-        let message = wire::joint_angles(i64::from(number) + 1, JOINTS, [angle; 2]);
-        sent.lock().unwrap().push(Monotonic::now().to_shared());
-        topics.publish(0, message);
-        let clock = WallClock::new(Monotonic::now());
-        while clock.now_ns() < PERIOD.as_nanos() as i64 {
+/// When the messages of a robot were sent, and when its agent sent its commands, by their numbers (ns).
+#[derive(Default)]
+struct Times {
+    sent: Mutex<Vec<i64>>,
+    told: Mutex<Vec<i64>>,
+}
+
+/// The robots, behind one bridge: the angle of a right wheel numbers a robot's messages; the speed of a command numbers
+/// that. They send in turn, as robots do that know nothing of each other.
+fn play(lab: &Lab, times: &[Times], down: &Mutex<Vec<i64>>) {
+    let wheels = lab
+        .robots
+        .iter()
+        .map(|own| Topic::of(Content::Wheels, own).unwrap());
+    let commands = lab.robots.iter().map(Topic::of_command);
+    let address = &lab.robots[0].address;
+    let mut topics = opened(address, true, wheels.collect(), commands.collect());
+    let turn_ns = PERIOD.as_nanos() as i64 / times.len() as i64;
+    let clock = WallClock::new(Monotonic::now());
+    for turn in 0..i64::from(MESSAGES + 100) * times.len() as i64 {
+        let robot = turn as usize % times.len();
+        let own = &times[robot];
+        let number = own.sent.lock().unwrap().len() as f64;
+        let message = wire::joint_angles(number as i64 + 1, JOINTS, [number + 0.5; 2]);
+        own.sent.lock().unwrap().push(Monotonic::now().to_shared());
+        topics.publish(robot, message);
+        while clock.now_ns() < (turn + 1) * turn_ns {
             let Some(heard) = topics.receive(Duration::from_millis(1)) else {
                 continue;
             };
             let [v, _] = wire::read_twist(&heard.payload).unwrap();
-            let told = told.lock().unwrap();
+            let told = times[heard.place].told.lock().unwrap();
             if let Some(told_ns) = told.get(v.round() as usize).filter(|_| v > 0.0) {
-                down.lock()
-                    .unwrap()
-                    .push(heard.arrived.to_shared() - told_ns);
+                let way_ns = heard.arrived.to_shared() - told_ns;
+                down.lock().unwrap().push(way_ns);
             }
         }
     }
@@ -225,8 +235,7 @@ fn play(own: &LabRobot, sent: &Mutex<Vec<i64>>, told: &Mutex<Vec<i64>>, down: &M
 fn follow(
     folder: &std::path::Path,
     robot: usize,
-    sent: &Mutex<Vec<i64>>,
-    told: &Mutex<Vec<i64>>,
+    Times { sent, told }: &Times,
     up: &Mutex<Vec<i64>>,
 ) {
     let joined = JoinedRun::new(folder, Member::Agent(robot), Parent::now()).unwrap();

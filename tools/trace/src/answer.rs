@@ -14,7 +14,7 @@ use crate::log::{Inner, Log, LoopKey, Outer, Tick};
 use crate::names::Names;
 use crate::percentiles::Percentiles;
 use crate::pile::Groups;
-use crate::step::Loop;
+use crate::step::{Loop, Topic};
 use crate::uncertain_groups::{UncertainGroups, UncertainPercentiles};
 use crate::uncertainty::Uncertainty;
 
@@ -35,6 +35,9 @@ pub struct Answer {
     /// Hosts other than that of the plant, and their clocks; empty for a run on one host.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub hosts: Vec<Host>,
+    /// Topics of real robots; empty for a simulated run.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub topics: Vec<TopicDelay>,
     /// Difference of each link from another run, if one was given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub against: Option<Vec<HopChange>>,
@@ -134,6 +137,22 @@ pub struct Host {
     pub round_trip_s: Option<f64>,
 }
 
+/// How long messages on a topic of a real robot were under way. Of what the robot tells: from its stamp until it came out
+/// of the network, beyond the fastest message, whose own delay nobody knows. Of commands: from the end of the agent's
+/// inner tick until the message was published.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TopicDelay {
+    /// The robot.
+    pub robot: String,
+    /// `wheels`, `pose`, `odometry`, `imu` or `command`.
+    pub topic: Cow<'static, str>,
+    /// Number of messages.
+    pub messages: u64,
+    /// The delay.
+    #[serde(flatten)]
+    pub figures: Percentiles,
+}
+
 /// Timing of one loop. The plant's step has deadlines only on the wall clock.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LoopTiming {
@@ -164,6 +183,7 @@ pub fn answer(log: &Log, names: &[String]) -> Answer {
         at_outer_ticks: at_outer_ticks(log, &names),
         loops: loops(log, &names),
         hosts: hosts(log, &names),
+        topics: topics(log, &names),
         against: None,
     }
 }
@@ -391,6 +411,31 @@ fn hosts(log: &Log, names: &Names<'_>) -> Vec<Host> {
         round_trip_s: clock.round_trip_ns.map(s_from_ns),
     };
     log.hosts.clocks().map(host).collect()
+}
+
+fn topics(log: &Log, names: &Names<'_>) -> Vec<TopicDelay> {
+    let mut all = log.heard();
+    if all.is_empty() {
+        return Vec::new();
+    }
+    let mut told = Groups::new(log.disk());
+    for (tick, taken_ns) in log.torques() {
+        if let Some(inner) = log.inner(tick) {
+            let delay_ns = taken_ns.saturating_sub(inner.done_ns);
+            told.push((tick.0, Topic::Command), delay_ns);
+        }
+    }
+    all.extend(told.percentiles());
+    let delay =
+        |((robot, topic), (messages, figures)): ((RobotIndex, Topic), (u64, Percentiles))| {
+            TopicDelay {
+                robot: names.of(robot),
+                topic: topic.name().into(),
+                messages,
+                figures,
+            }
+        };
+    all.into_iter().map(delay).collect()
 }
 
 /// Replaces what is known of the last tick. Returns it if it was one of the same loop.

@@ -22,7 +22,8 @@ mod uncertain_groups;
 mod uncertainty;
 
 pub use answer::{
-    Age, AgeLine, Answer, Hop, Host, Incomplete, LoopTiming, StageLatency, ages_over_time, answer,
+    Age, AgeLine, Answer, Hop, Host, Incomplete, LoopTiming, StageLatency, TopicDelay,
+    ages_over_time, answer,
 };
 pub use both::both;
 pub use chain::{Chain, Fate, Message, STAGES, follow};
@@ -32,5 +33,5 @@ pub use percentiles::Percentiles;
 pub use perfetto::timeline;
 pub use read::{Reading, read};
 pub use round_trips::{RoundTrips, round_trips};
-pub use step::{Clock, Loop, Step};
+pub use step::{Clock, Loop, Step, Topic};
 pub use uncertainty::Uncertainty;

@@ -7,8 +7,9 @@ use slipstream_bus::record::Fate;
 use slipstream_recording::Disk;
 
 use crate::hosts::Hosts;
-use crate::pile::{Keep, Pile};
-use crate::step::{Loop, Step};
+use crate::percentiles::Percentiles;
+use crate::pile::{Groups, Keep, Pile};
+use crate::step::{Loop, Step, Topic};
 
 /// What can become of a message at its receiver, by its number in a record.
 const FATES: [Fate; 4] = [Fate::Unused, Fate::Stale, Fate::Superseded, Fate::Used];
@@ -46,6 +47,8 @@ pub struct Log {
     /// Robot, due time of an outer tick; when the first inner tick that follows its set-points was due
     /// (ns).
     first_inner: Pile<3>,
+    /// How long what real robots tell was under way.
+    heard: Groups<(RobotIndex, Topic)>,
     /// When agents died (ns).
     pub(crate) deaths: Vec<Tick>,
     /// The plant's steps on the wall clock: 0, index; due, begun and ended (ns).
@@ -112,6 +115,7 @@ impl Default for Log {
             inner: Pile::new(&disk, Keep::Last),
             applied: Pile::new(&disk, Keep::Smallest),
             first_inner: Pile::new(&disk, Keep::Smallest),
+            heard: Groups::new(&disk),
             deaths: Vec::new(),
             steps: Pile::new(&disk, Keep::Last),
             step_count: 0,
@@ -185,6 +189,15 @@ impl Log {
                 tick_ns,
                 taken_ns,
             } => self.applied.push([robot.into(), tick_ns, taken_ns]),
+            Step::Heard {
+                robot,
+                of,
+                measured_ns,
+                arrived_ns,
+            } => {
+                let age_ns = arrived_ns.saturating_sub(measured_ns);
+                self.heard.push((robot, of), age_ns);
+            }
             Step::Died { robot, t_ns } => self.deaths.push((robot, t_ns)),
             Step::Deadline {
                 robot,
@@ -359,6 +372,11 @@ impl Log {
     pub(crate) fn torques(&self) -> impl Iterator<Item = (Tick, i64)> {
         let torque = |[robot, due_ns, taken_ns]: [i64; 3]| ((index(robot), due_ns), taken_ns);
         self.applied.iter().map(torque)
+    }
+
+    /// How long what real robots tell was under way: number of messages, and percentiles.
+    pub(crate) fn heard(&self) -> BTreeMap<(RobotIndex, Topic), (u64, Percentiles)> {
+        self.heard.percentiles()
     }
 
     /// The plant's steps on the wall clock, in the order of the recording: due, begun, ended (ns).

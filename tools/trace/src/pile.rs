@@ -306,7 +306,7 @@ impl<const N: usize> Iterator for Cursor<N> {
 }
 
 /// Durations (ns) of several groups.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Groups<G> {
     /// Number of the group, duration.
     durations: Pile<2>,

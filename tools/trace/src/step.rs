@@ -95,6 +95,17 @@ pub enum Step {
         /// When it was applied.
         taken_ns: i64,
     },
+    /// A message of a real robot came out of the network.
+    Heard {
+        /// The robot.
+        robot: RobotIndex,
+        /// What it tells.
+        of: Topic,
+        /// When that was measured, by its stamp.
+        measured_ns: i64,
+        /// When it came out of the network.
+        arrived_ns: i64,
+    },
     /// A robot's agent died.
     Died {
         /// The robot.
@@ -178,6 +189,39 @@ impl Loop {
     }
 }
 
+/// A topic of a real robot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Topic {
+    /// What its wheels do.
+    Wheels,
+    /// Where it is.
+    Pose,
+    /// Its own odometry.
+    Odometry,
+    /// Its inertial sensor.
+    Imu,
+    /// What it is told.
+    Command,
+}
+
+impl Topic {
+    /// Its name: `wheels`, `pose`, `odometry`, `imu` or `command`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Wheels => "wheels",
+            Self::Pose => "pose",
+            Self::Odometry => "odometry",
+            Self::Imu => "imu",
+            Self::Command => "command",
+        }
+    }
+
+    fn named(name: &str) -> Option<Self> {
+        let told = [Self::Wheels, Self::Pose, Self::Odometry, Self::Imu];
+        told.into_iter().find(|one| one.name() == name)
+    }
+}
+
 impl Step {
     /// The step that a record describes; `None` if it describes none. `robot_of` finds a robot by the
     /// name of its process.
@@ -249,7 +293,7 @@ impl Step {
         })
     }
 
-    /// A tick of a robot, the application of its torque, or its end.
+    /// A tick of a robot, the application of its torque, a message of a real one, or its end.
     fn of_robot(record: &TraceRecord<'_>) -> Option<Self> {
         let int = |name: &str| record.int(name);
         let robot = number(record, "robot")?;
@@ -273,6 +317,12 @@ impl Step {
                 robot,
                 tick_ns: int("tick_ns")?,
                 taken_ns: begin_ns,
+            },
+            "heard" => Self::Heard {
+                robot,
+                of: Topic::named(record.text("of")?)?,
+                measured_ns: int("measured_ns")?,
+                arrived_ns: begin_ns,
             },
             "died" => Self::Died {
                 robot,

@@ -3,7 +3,9 @@
 use std::fmt::Write as _;
 
 use slipstream_bus::time::s_from_ns;
-use slipstream_trace::{Age, Answer, Hop, HopChange, Host, Incomplete, Percentiles, Uncertainty};
+use slipstream_trace::{
+    Age, Answer, Hop, HopChange, Host, Incomplete, Percentiles, TopicDelay, Uncertainty,
+};
 
 /// The tables of an answer. Writing to a string cannot fail.
 pub(super) fn table(answer: &Answer) -> String {
@@ -47,11 +49,34 @@ pub(super) fn table(answer: &Answer) -> String {
             row(&mut text, "    jitter", &jitter);
         }
     }
+    topics_table(&mut text, &answer.topics);
     hosts_table(&mut text, &answer.hosts);
     for hop in answer.against.iter().flatten() {
         change_table(&mut text, hop);
     }
     text
+}
+
+/// How long messages of real robots were under way.
+fn topics_table(text: &mut String, topics: &[TopicDelay]) {
+    if topics.is_empty() {
+        return;
+    }
+    let title = "\nTopics of the robots";
+    let _ = writeln!(text, "{title:35}      p50        p99        max (ms)");
+    for own in topics {
+        let TopicDelay {
+            robot,
+            topic,
+            messages,
+            figures,
+        } = own;
+        row(text, &format!("  {robot} {topic}: {messages}"), figures);
+    }
+    let _ = writeln!(
+        text,
+        "  What a robot tells: from its stamp, beyond its fastest message. Commands: from the agent's tick to the topic."
+    );
 }
 
 /// What is known of the clocks of the other hosts.

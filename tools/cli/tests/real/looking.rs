@@ -47,6 +47,13 @@ fn a_robot_that_is_not_there_is_said_before_any_moves() {
 }
 
 #[test]
+fn fewer_robots_than_the_lab_has_may_drive() {
+    let lab = Lab::of(&["", ""]);
+    let said = lab.succeeds(&[&LOOK[..], &["--robots", "1"]].concat());
+    assert!(said.contains("r1") && !said.contains("r2"), "{said}");
+}
+
+#[test]
 fn what_cannot_be_driven_is_refused_in_one_line() {
     let lab = Lab::of(&[""]);
     for (arguments, expected) in [

@@ -21,6 +21,10 @@ use crate::program::{Program, Programs};
 pub fn resolve(request: &Request) -> Result<Resolved, InputError> {
     let (mut tree, recorded) = base(request.experiment.as_deref())?;
     let mut lab = request.real.as_deref().map(Lab::read).transpose()?;
+    // The rear robots of a lab stay where they are if fewer are to drive.
+    if let (Some(lab), Some(robots)) = (&mut lab, request.robots) {
+        lab.robots.truncate(robots as usize);
+    }
     let models = match &lab {
         Some(lab) => {
             lab::set_keys(lab, &mut tree)?;

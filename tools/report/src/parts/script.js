@@ -164,4 +164,24 @@
     });
   }
   all(document, '[data-cursor]').forEach(group);
+
+  // Causes as switches: the numbers with those that are on.
+  all(document, '[data-causes]').forEach(function (box) {
+    var told = JSON.parse(document.getElementById('answer').textContent).explanation, boxes = all(box, '[data-cause]');
+    function show() {
+      var off = boxes.filter(function (own) { return !own.checked; });
+      function now(i) {
+        if (!off.length) return told.numbers[i].after_m;
+        return boxes.reduce(function (sum, own) {
+          return sum + (own.checked ? told.causes[+own.dataset.cause].changes_m[i] : 0);
+        }, told.numbers[i].before_m);
+      }
+      all(box, '[data-after]').forEach(function (own) { own.textContent = number(now(+own.dataset.after), 3); });
+      all(box, '[data-place]').forEach(function (own) {
+        var cm = 100 * (now(+own.dataset.place) - told.numbers[+own.dataset.place].printed_m), lo = +own.dataset.low, hi = +own.dataset.high;
+        own.querySelector('.e').style.left = 100 * Math.max(0, Math.min(1, (cm - lo) / (hi - lo))) + '%';
+      });
+    }
+    boxes.forEach(function (own) { own.onchange = show; });
+  });
 })();

@@ -6,7 +6,7 @@ use slipstream_bus::record::{EventKind, Record, Recorder};
 use slipstream_bus::time::s_from_ns;
 use slipstream_recording::wire;
 
-use super::report::{RobotReport, Stream};
+use super::report::RobotReport;
 use super::stamps::StampClock;
 use super::wheels::Wheels;
 use crate::lab::{CONTENTS, CommandMessage, Content, LabRobot, WheelTopic};
@@ -97,46 +97,46 @@ impl Link {
         }
     }
 
+    /// Takes a message. Returns when it was measured (ns), if it could be read.
     pub(super) fn hear(
         &mut self,
         content: Content,
         payload: &[u8],
         arrived_ns: i64,
         recorder: &mut impl Recorder,
-    ) {
+    ) -> Option<i64> {
         let read = match content {
             Content::Wheels => self.read_wheels(payload, arrived_ns, recorder),
             Content::Pose => self.read_pose(payload, arrived_ns, recorder),
             Content::Odometry => self.read_odometry(payload, arrived_ns, recorder),
             Content::Imu => self.read_imu(payload, arrived_ns, recorder),
         };
-        let stream = self.stream(content);
-        if let Err(problem) = read {
-            stream.unreadable += 1;
-            let topic = content.topic(&self.lab).unwrap_or_default();
-            let problem = || format!("a message of {topic} {problem}");
-            self.report.problem.get_or_insert_with(problem);
-            return;
-        }
+        let begun = self.begun;
+        let latest_s = s_from_ns(self.clocks[content as usize].latest_ns);
+        let stream = match content {
+            Content::Wheels => &mut self.report.wheels,
+            Content::Pose => &mut self.report.poses,
+            Content::Odometry => &mut self.report.odometry,
+            Content::Imu => &mut self.report.imu,
+        };
+        let measured_ns = match read {
+            Ok(measured_ns) => measured_ns,
+            Err(problem) => {
+                stream.unreadable += 1;
+                let topic = content.topic(&self.lab).unwrap_or_default();
+                let problem = || format!("a message of {topic} {problem}");
+                self.report.problem.get_or_insert_with(problem);
+                return None;
+            }
+        };
         let last_ns = self.heard_ns[content as usize].replace(arrived_ns);
         let gap_s = last_ns.map_or(0.0, |last_ns| s_from_ns(arrived_ns - last_ns));
-        let latest_s = s_from_ns(self.clocks[content as usize].latest_ns);
-        let begun = self.begun;
-        let stream = self.stream(content);
         stream.messages += 1;
         stream.latest_s = latest_s;
         if begun {
             stream.longest_gap_s = stream.longest_gap_s.max(gap_s);
         }
-    }
-
-    fn stream(&mut self, content: Content) -> &mut Stream {
-        match content {
-            Content::Wheels => &mut self.report.wheels,
-            Content::Pose => &mut self.report.poses,
-            Content::Odometry => &mut self.report.odometry,
-            Content::Imu => &mut self.report.imu,
-        }
+        Some(measured_ns)
     }
 
     fn read_wheels(
@@ -144,7 +144,7 @@ impl Link {
         payload: &[u8],
         arrived_ns: i64,
         recorder: &mut impl Recorder,
-    ) -> Result<(), String> {
+    ) -> Result<i64, String> {
         let robot = self.robot;
         let (t_ns, record) = match &self.lab.wheels {
             WheelTopic::Joints {
@@ -178,7 +178,7 @@ impl Link {
         };
         self.encoders = self.wheels.encoders(t_ns);
         self.keep(t_ns, &record, recorder);
-        Ok(())
+        Ok(t_ns)
     }
 
     /// Records what was measured while the run goes on.
@@ -194,7 +194,7 @@ impl Link {
         payload: &[u8],
         arrived_ns: i64,
         recorder: &mut impl Recorder,
-    ) -> Result<(), String> {
+    ) -> Result<i64, String> {
         let odometry = wire::read_odometry(payload)?;
         let t_ns = self.time(Content::Odometry, odometry.stamp_ns, arrived_ns)?;
         let wire::OdometryValue { pose, velocity } = odometry.value;
@@ -206,7 +206,7 @@ impl Link {
             velocity,
         };
         self.keep(t_ns, &record, recorder);
-        Ok(())
+        Ok(t_ns)
     }
 
     fn read_imu(
@@ -214,7 +214,7 @@ impl Link {
         payload: &[u8],
         arrived_ns: i64,
         recorder: &mut impl Recorder,
-    ) -> Result<(), String> {
+    ) -> Result<i64, String> {
         let imu = wire::read_imu(payload)?;
         let t_ns = self.time(Content::Imu, imu.stamp_ns, arrived_ns)?;
         let wire::ImuValue {
@@ -228,7 +228,7 @@ impl Link {
             yaw_rate_rad_s,
         };
         self.keep(t_ns, &record, recorder);
-        Ok(())
+        Ok(t_ns)
     }
 
     fn read_pose(
@@ -236,7 +236,7 @@ impl Link {
         payload: &[u8],
         arrived_ns: i64,
         recorder: &mut impl Recorder,
-    ) -> Result<(), String> {
+    ) -> Result<i64, String> {
         let pose = wire::read_pose(payload)?;
         let t_ns = self.time(Content::Pose, pose.stamp_ns, arrived_ns)?;
         let [x, y, yaw] = pose.value;
@@ -246,7 +246,7 @@ impl Link {
         self.report.last_pose = Some(pose);
         let robot = self.robot;
         self.keep(t_ns, &Record::Camera { t_ns, robot, pose }, recorder);
-        Ok(())
+        Ok(t_ns)
     }
 
     /// When a message was stamped, on the clock of the run (ns).

@@ -17,7 +17,7 @@ use slipstream_bus::time::ns_from_s;
 
 use self::link::Link;
 pub use self::link::Standing;
-pub use self::report::RobotReport;
+pub use self::report::{RobotReport, Stream};
 use crate::lab::{Content, Lab};
 use crate::topics::{Opening, Topic};
 
@@ -31,6 +31,17 @@ pub struct Fleet {
     /// The place of each heard topic: robot, and what it tells.
     heard: Vec<(usize, Content)>,
     stopped: bool,
+}
+
+/// A message of a robot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Measured {
+    /// Index of the robot.
+    pub robot: usize,
+    /// What it told.
+    pub content: Content,
+    /// When that was measured, by its stamp (ns of the run's clock).
+    pub measured_ns: i64,
 }
 
 /// A robot whose state has changed.
@@ -86,22 +97,22 @@ impl Fleet {
         }
     }
 
-    /// Takes a message of the topic at `place` that arrived at `arrived_ns`. Returns whether it was one about wheels.
+    /// Takes a message of the topic at `place` that arrived at `arrived_ns`. Returns what it was, if it could be read.
     pub fn hear(
         &mut self,
         place: usize,
         payload: &[u8],
         arrived_ns: i64,
         recorder: &mut impl Recorder,
-    ) -> bool {
-        let Some(&(robot, content)) = self.heard.get(place) else {
-            return false;
-        };
-        let Some(link) = self.links.get_mut(robot) else {
-            return false;
-        };
-        link.hear(content, payload, arrived_ns, recorder);
-        content == Content::Wheels
+    ) -> Option<Measured> {
+        let &(robot, content) = self.heard.get(place)?;
+        let link = self.links.get_mut(robot)?;
+        let measured_ns = link.hear(content, payload, arrived_ns, recorder)?;
+        Some(Measured {
+            robot,
+            content,
+            measured_ns,
+        })
     }
 
     /// Takes a command of an agent that arrived at `now_ns`.

@@ -22,6 +22,16 @@ impl Content {
     /// All, in the order of their topics.
     pub const ALL: [Self; 4] = [Self::Wheels, Self::Pose, Self::Odometry, Self::Imu];
 
+    /// What it is called: `wheels`, `pose`, `odometry` or `imu`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Wheels => "wheels",
+            Self::Pose => "pose",
+            Self::Odometry => "odometry",
+            Self::Imu => "imu",
+        }
+    }
+
     /// The name of a robot's topic that tells it, if it has one.
     pub fn topic(self, robot: &LabRobot) -> Option<&str> {
         match self {

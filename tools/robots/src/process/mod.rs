@@ -165,9 +165,18 @@ impl Robots<'_> {
             timeout = Duration::ZERO;
             let arrived_ns = self.clock.ns_at(heard.arrived);
             let records = &mut self.records;
-            wheels |= self
+            let measured = self
                 .fleet
                 .hear(heard.place, &heard.payload, arrived_ns, records);
+            let Some(measured) = measured else {
+                continue;
+            };
+            wheels |= measured.content == Content::Wheels;
+            if measured.measured_ns >= 0 {
+                let (robot, measured_ns) = (measured.robot as u64, measured.measured_ns);
+                let of = measured.content.name();
+                tracing::debug!(name: "heard", t_ns = arrived_ns, robot, of, measured_ns);
+            }
         }
         wheels
     }

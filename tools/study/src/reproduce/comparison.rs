@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::assumptions::{Assumption, assumptions};
-use super::asymmetry;
+use super::causes::{Explanation, explain};
 use super::extensions::{Extension, extensions};
 use super::paper_runs::PaperRuns;
 use super::recorded_run::RecordedRun;
@@ -15,6 +15,8 @@ use crate::StudyError;
 pub struct Comparison {
     /// Version of this format.
     pub format: u32,
+    /// What explains the final positions that the paper prints.
+    pub explanation: Explanation,
     /// What the paper leaves open.
     pub assumptions: Vec<Assumption>,
     /// Paper against computed.
@@ -41,13 +43,13 @@ pub struct Reproduction {
 /// When a run fails.
 pub fn reproduce() -> Result<Reproduction, StudyError> {
     let runs = PaperRuns::new(&[])?;
-    let mut rows = runs.rows()?;
-    rows.extend(asymmetry::rows()?);
+    let rows = runs.rows()?;
     let turning =
         |law| RecordedRun::of_experiment("figure_eight", "inner", &[("control.law", law)]);
     Ok(Reproduction {
         comparison: Comparison {
             format: 1,
+            explanation: explain()?,
             assumptions: assumptions()?,
             rows,
             extensions: extensions()?,

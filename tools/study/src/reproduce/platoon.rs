@@ -53,7 +53,7 @@ fn finals(run: &RecordedRun, printed: &Finals, which: &str) -> Vec<Row> {
                     row.note("the way is that of the assumed profile")
                         .depending_on(assumptions(which))
                 } else {
-                    row.note("zero by symmetry: see the rows asymmetry_…")
+                    row.note("zero by symmetry: see the causes")
                         .depending_on(&["symmetry"])
                 });
             }
@@ -89,7 +89,7 @@ fn gaps(run: &RecordedRun, printed: &Finals, which: &str) -> Vec<Row> {
             printed.mean_gap_m(1),
             mean_gap_m(run, 1),
         )
-        .note("zero by symmetry: see the rows asymmetry_…")
+        .note("zero by symmetry: see the causes")
         .depending_on(&["symmetry"]),
         Row::printed(
             format!("final_spacing_error_{which}_m"),

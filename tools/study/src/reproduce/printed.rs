@@ -36,11 +36,6 @@ impl Finals {
         (0..3).map(gap).sum::<f64>() / 3.0
     }
 
-    /// Mean measured lateral distance from the straight line (m).
-    pub(super) fn mean_lateral_m(&self) -> f64 {
-        self.measured.iter().map(|end| end[1].abs()).sum::<f64>() / 3.0
-    }
-
     /// Largest error of the measured final spacings (m).
     pub(super) fn largest_spacing_error_m(&self) -> f64 {
         let spacing = STARTS_M[0] - STARTS_M[1];

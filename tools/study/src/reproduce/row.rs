@@ -4,6 +4,8 @@ use std::borrow::Cow;
 
 use serde::{Deserialize, Serialize};
 
+use super::quantity;
+
 /// Largest relative difference from the printed number at which two numbers agree.
 pub const TOLERANCE: f64 = 0.05;
 
@@ -12,6 +14,8 @@ pub const TOLERANCE: f64 = 0.05;
 pub struct Row {
     /// Name of the quantity, with its unit.
     pub quantity: String,
+    /// The same for people.
+    pub name: String,
     /// Where in the paper.
     pub source: Cow<'static, str>,
     /// The printed number; null if the paper makes a claim in words or says nothing.
@@ -58,8 +62,10 @@ impl Row {
 
     /// A number that the paper says nothing about.
     pub(super) fn found(quantity: impl Into<String>, source: &'static str, computed: f64) -> Self {
+        let quantity = quantity.into();
         Self {
-            quantity: quantity.into(),
+            name: quantity::name(&quantity),
+            quantity,
             source: source.into(),
             paper: None,
             computed: computed.is_finite().then_some(computed),

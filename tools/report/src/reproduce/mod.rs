@@ -1,4 +1,6 @@
-//! The page of the reproduction: how many of the paper's numbers agree, which do not and why.
+//! The page of the reproduction: which causes explain the paper's final positions, and every number beside the computed one.
+
+mod causes;
 
 use maud::{Markup, html};
 use slipstream_study::reproduce::{RecordedRun, Reproduction, Row as Number};
@@ -11,27 +13,36 @@ use crate::parts::{
 /// The HTML file.
 pub fn page(reproduction: &Reproduction, command_line: &str) -> String {
     let comparison = &reproduction.comparison;
+    let explanation = &comparison.explanation;
     let judged = comparison.rows.iter().filter_map(|row| row.agrees);
     let (yes, all) = judged.fold((0, 0), |(yes, all), own| (yes + usize::from(own), all + 1));
-    let sentence = format!("{yes} of {all} numbers agree with the paper.");
+    let within = explanation
+        .numbers
+        .iter()
+        .filter(|own| own.is_within(own.after_m));
+    let explained = format!(
+        "{} of {} explained",
+        within.count(),
+        explanation.numbers.len()
+    );
     let lead = html! {
-        "Konduri, Torres, Pagilla: Effect of Wheel Slip in the Coordination of Wheeled Mobile Robots. A computed number agrees if it is "
-        "within 5\u{202f}% of the printed one. What the paper leaves open is assumed, and listed."
+        @if explanation.remains.is_empty() { "Nothing remains." } @else { "What remains: " (explanation.remains) ". " }
+        "The paper: Konduri, Torres, Pagilla, Effect of Wheel Slip in the Coordination of Wheeled Mobile Robots."
     };
     let facts = format!(
-        "{} assumptions · {} experiments beyond the paper",
+        "{yes} of {all} numbers and claims agree as assumed · {} assumptions · {} experiments beyond the paper",
         comparison.assumptions.len(),
         comparison.extensions.len()
     );
-    let (tone, icon) = if yes == all {
+    let (tone, icon) = if explanation.remains.is_empty() {
         (Tone::Good, Icon::Tick)
     } else {
         (Tone::Part, Icon::Half)
     };
     let body = html! {
-        (verdict(tone, icon, &format!("{yes} of {all} agree"), &facts, &sentence, &lead))
-        section class="first" id="dots" { h2 { "Computed over printed" } (dots(&comparison.rows)) }
-        section id="numbers" { h2 { "Every number" } (numbers(&comparison.rows)) }
+        (verdict(tone, icon, &explained, &facts, &explanation.sentence, &lead))
+        (causes::section(explanation))
+        section id="numbers" { h2 { "Every number and claim" } (numbers(&comparison.rows)) }
         section id="open" { h2 { "What the paper leaves open" } (assumptions(reproduction)) }
         (figures(reproduction))
         section id="beyond" { h2 { "Beyond the paper" } (beyond(reproduction)) }
@@ -39,8 +50,9 @@ pub fn page(reproduction: &Reproduction, command_line: &str) -> String {
     let page = Page {
         command: "reproduce",
         subject: "the paper".to_owned(),
-        summary: sentence.clone(),
+        summary: explanation.sentence.clone(),
         anchors: vec![
+            ("causes", "Causes"),
             ("numbers", "Numbers"),
             ("open", "Assumptions"),
             ("figures", "Figures"),
@@ -53,37 +65,6 @@ pub fn page(reproduction: &Reproduction, command_line: &str) -> String {
         ..Page::default()
     };
     page.html()
-}
-
-/// One dot a number: computed over printed.
-fn dots(rows: &[Number]) -> Markup {
-    let ratio = |row: &Number| {
-        let (paper, computed) = (row.paper?, row.computed?);
-        (paper != 0.0).then(|| (computed / paper, row.agrees == Some(true)))
-    };
-    let mut all: Vec<(f64, bool)> = rows.iter().filter_map(ratio).collect();
-    all.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let most = 3.0;
-    let count = all.len() as f64;
-    let points = |agrees: bool| -> Vec<(f64, f64)> {
-        let own = all.iter().enumerate().filter(|(_, own)| own.1 == agrees);
-        own.map(|(place, own)| (own.0.clamp(0.0, most), place as f64 + 0.5))
-            .collect()
-    };
-    let frame = Frame::new(
-        Scale::new(0.0, most, 6),
-        Scale::new(0.0, count.max(1.0), 1),
-        240,
-        "Computed over printed, one dot a number, sorted",
-    )
-    .x_axis("×")
-    .span(None, [0.95, 1.05])
-    .dots(Ink::After, &points(true), 8.0)
-    .dots(Ink::Before, &points(false), 8.0);
-    html! {
-        p class="legend" { span class="ca" { "● agrees" } span class="cb" { "● does not" } span class="cm" { "shaded: within 5\u{202f}%; ratios beyond 3 stand at 3" } }
-        figure { (frame.markup_without_y()) }
-    }
 }
 
 fn numbers(rows: &[Number]) -> Markup {
@@ -100,7 +81,7 @@ fn numbers(rows: &[Number]) -> Markup {
                 None => ("cm", "–"),
             };
             vec![
-                Cell::text(&row.quantity),
+                Cell::markup(html! { (row.name) div class="id" { (row.quantity) } }),
                 Cell::text(row.source.as_ref()),
                 number(row.paper),
                 number(row.computed),
