@@ -104,10 +104,15 @@ pub(crate) fn run(arguments: &Arguments, is_alone: bool) -> Result<Exit, Error> 
     } else {
         arguments.run_processes(&resolved)
     };
-    let run = run.map_err(|error| error.of_argument("--out"))?;
+    let mut run = run.map_err(|error| error.of_argument("--out"))?;
+    if run.status == RunStatus::Done && resolved.lab.is_none() {
+        let effect = slipstream_study::delay::effect(&resolved.experiment);
+        run.delay = effect.map_err(|error| Error::Failed(error.to_string()))?;
+    }
+    let name = arguments.subject.name();
     print::out(format_args!(
         "{}",
-        summary::text(&run, &resolved.experiment, is_alone)
+        summary::text(&run, &resolved.experiment, name, is_alone)
     ));
     if let Some(path) = &arguments.json {
         output_file::write_json(path, &run)?;

@@ -23,6 +23,11 @@ pub(crate) struct Subject {
 }
 
 impl Subject {
+    /// The experiment as the user named it.
+    pub(crate) fn name(&self) -> &str {
+        self.experiment.as_deref().unwrap_or("platoon")
+    }
+
     /// The request for this experiment.
     pub(crate) fn request(&self) -> Request {
         Request {

@@ -12,11 +12,16 @@ use crate::real;
 /// Largest number of rows of a table. Of more robots, only the first and the last are shown.
 const MAX_ROWS: usize = 12;
 
-/// The text of the summary.
-pub(crate) fn text(run: &RunSummary, experiment: &Experiment, is_alone: bool) -> String {
+/// The text of the summary. `name`: the experiment as the user named it.
+pub(crate) fn text(
+    run: &RunSummary,
+    experiment: &Experiment,
+    name: &str,
+    is_alone: bool,
+) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
-    let _ = write_text(&mut text, run, experiment, is_alone);
+    let _ = write_text(&mut text, run, experiment, name, is_alone);
     text
 }
 
@@ -24,6 +29,7 @@ fn write_text(
     out: &mut String,
     run: &RunSummary,
     experiment: &Experiment,
+    name: &str,
     is_alone: bool,
 ) -> std::fmt::Result {
     headline(out, run, experiment)?;
@@ -33,6 +39,9 @@ fn write_text(
         false => slip(out, run)?,
     }
     links(out, run, experiment)?;
+    if let Some(sentence) = run.delay_sentence() {
+        writeln!(out, "  {sentence}")?;
+    }
     deadlines(out, run)?;
     if let Some(recording) = &run.recording {
         writeln!(out, "Recording: {}", recording.display())?;
@@ -44,7 +53,7 @@ fn write_text(
         RunStatus::Done if is_alone => first_steps(out, run),
         RunStatus::Done => match &run.recording {
             Some(recording) if is_real(run) => out.write_str(&real::suggestion(recording)),
-            _ => suggestion(out, experiment),
+            _ => suggestion(out, experiment, name),
         },
         RunStatus::Failed(_) | RunStatus::Interrupted => Ok(()),
     }
@@ -65,7 +74,7 @@ fn headline(out: &mut String, run: &RunSummary, experiment: &Experiment) -> std:
     let name = &run.experiment;
     let ended = match run.status {
         RunStatus::Done => "",
-        RunStatus::Failed(_) => " until a process failed",
+        RunStatus::Failed(_) => " until it failed",
         RunStatus::Interrupted => " until it was interrupted",
     };
     let how = match (run.processes.len(), experiment.settings.clock) {
@@ -103,7 +112,7 @@ fn row(robot: &RobotSummary) -> String {
         None => format!("{:>16}", "unknown"),
     };
     let slip = match robot.slip_time_s {
-        Some([right, left]) => format!("{:.2} s", right.max(left)),
+        Some([right, left]) => format!("{:.2} s", right + left),
         None => "unknown".to_owned(),
     };
     let spacing = match robot.max_spacing_error_m {
@@ -206,13 +215,8 @@ fn deadlines(out: &mut String, run: &RunSummary) -> std::fmt::Result {
     Ok(())
 }
 
-fn suggestion(out: &mut String, experiment: &Experiment) -> std::fmt::Result {
+fn suggestion(out: &mut String, experiment: &Experiment, name: &str) -> std::fmt::Result {
     let settings = &experiment.settings;
-    let name = if settings.open_loop.enabled {
-        "single"
-    } else {
-        "platoon"
-    };
     let takes_torques = settings.control.drive == Drive::Torque;
     let is_free = settings.control.torque_limit == TorqueLimit::None;
     let (command, why) = if takes_torques && is_free {

@@ -54,6 +54,9 @@ pub struct RunSummary {
     pub robots: Vec<RobotSummary>,
     /// The links, from the front robot's link on.
     pub links: Vec<LinkSummary>,
+    /// What the delay of the links did; `None` without one, and where it cannot be told.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub delay: Option<DelayEffect>,
     /// Deadlines of the loops; empty on the virtual clock.
     pub deadlines: Vec<DeadlineSummary>,
     /// Real-time scheduling that the system permitted; `None` on the virtual clock.
@@ -124,6 +127,17 @@ pub struct LinkSummary {
     pub stale: u64,
 }
 
+/// What the delay of the links did: the run as it was beside the same run without that delay.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct DelayEffect {
+    /// Mean age of the position in use at the followers' outer ticks, from its sampling on (s).
+    pub age_s: f64,
+    /// The same without the delay: the waits for ticks, and for the turn of a ring (s).
+    pub age_without_s: f64,
+    /// Largest true spacing error without the delay (m).
+    pub max_spacing_error_without_m: f64,
+}
+
 /// Deadlines of a loop on the wall clock.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DeadlineSummary {
@@ -165,6 +179,7 @@ impl RunSummary {
             wall_s: 0.0,
             loop_s: 0.0,
             start_up_s: 0.0,
+            delay: None,
             deadlines: Vec::new(),
             real_time: None,
             recording: None,
@@ -193,6 +208,25 @@ impl RunSummary {
 }
 
 impl RunSummary {
+    /// The largest true spacing error of all robots (m).
+    pub fn max_spacing_error_m(&self) -> Option<f64> {
+        let errors = self.robots.iter().filter_map(|own| own.max_spacing_error_m);
+        errors.reduce(f64::max)
+    }
+
+    /// What the delay of the links did, in words.
+    pub fn delay_sentence(&self) -> Option<String> {
+        let delay = self.delay?;
+        let with_cm = 100.0 * self.max_spacing_error_m()?;
+        let without_cm = 100.0 * delay.max_spacing_error_without_m;
+        Some(format!(
+            "A position is {:.0} ms old when a follower uses it, {:.0} ms without the delay of the links. Without that \
+             delay the largest spacing error is {without_cm:.1} cm, with it {with_cm:.1} cm: x_r and v_r come late (Eq. 13).",
+            1e3 * delay.age_s,
+            1e3 * delay.age_without_s,
+        ))
+    }
+
     /// Adds what the process of real robots reports. Poses and spacing are those that were measured.
     pub(crate) fn add_real(&mut self, outcome: &RobotsOutcome) {
         self.duration_s = outcome.duration_s;

@@ -96,11 +96,7 @@ fn sentence(summary: &RunSummary) -> String {
     } else {
         format!("{count} robots")
     };
-    let spacing = summary
-        .robots
-        .iter()
-        .filter_map(|own| own.max_spacing_error_m)
-        .fold(0.0, f64::max);
+    let spacing = summary.max_spacing_error_m().unwrap_or(0.0);
     let slip = slip_s(&summary.robots);
     let held = if count > 1 {
         format!(
@@ -135,6 +131,7 @@ fn lead(summary: &RunSummary) -> Markup {
                 ": what its encoders could not see." }
             None => "The robots have no odometry.",
         }
+        @if let Some(sentence) = summary.delay_sentence() { " " (sentence) }
     }
 }
 

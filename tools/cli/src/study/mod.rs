@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use clap::{Args, Subcommand};
 use slipstream_bus::Shard;
-use slipstream_study::delay::{self, Grid, Study};
+use slipstream_study::delay::{self, Grid, Study, Table};
 
 use crate::command_line::command_line;
 use crate::estimate::{self, Work, sample, spread};
@@ -202,7 +202,11 @@ impl Output {
             )?;
         }
         let runs: u64 = study.points.iter().map(|point| u64::from(point.runs)).sum();
-        print_line!("{} points, {runs} runs", study.points.len());
+        print_line!(
+            "{}\n{} points, {runs} runs",
+            study.sentence(),
+            study.points.len()
+        );
         if study.interrupted {
             print_line!("Interrupted: the remaining points are missing.");
             for file in json.iter().chain(&report) {
@@ -212,8 +216,28 @@ impl Output {
         }
         for answer in &study.answers {
             print_line!("\n{}\n{}", answer.question, answer.answer);
+            if let Some(table) = &answer.table {
+                print_table(table);
+            }
         }
         Ok(Exit::Done)
+    }
+}
+
+fn print_table(table: &Table) {
+    let lines = || std::iter::once(&table.heads).chain(&table.rows);
+    let width = |column: usize| {
+        let cells = lines().filter_map(|line| line.get(column));
+        cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..table.heads.len()).map(width).collect();
+    for line in lines() {
+        let cells = line.iter().zip(&widths).enumerate();
+        let cells = cells.map(|(column, (cell, width))| match column {
+            0 => format!("  {cell:<width$}"),
+            _ => format!("  {cell:>width$}"),
+        });
+        print_line!("{}", cells.collect::<String>());
     }
 }
 

@@ -87,6 +87,29 @@ impl Grid {
         cells
     }
 
+    /// The case that the study is first about, at its least delay: of each key the value of the built-in platoon if the list
+    /// is the default one, else the first of the list.
+    pub fn case(&self) -> Option<Cell> {
+        let default = Self::default();
+        let of = |own: &[f64], all: &[f64], usual: f64| match own == all {
+            true => Some(usual),
+            false => own.first().copied(),
+        };
+        let named = |own: &[String], all: &[String], usual: &str| match own == all {
+            true => Some(usual.to_owned()),
+            false => own.first().cloned(),
+        };
+        Some(Cell {
+            delay_s: self.delay_s.iter().copied().reduce(f64::min)?,
+            jitter_s: of(&self.jitter_s, &default.jitter_s, 0.0)?,
+            loss: of(&self.loss, &default.loss, 0.0)?,
+            k_x: of(&self.k_x, &default.k_x, 1.0)?,
+            torque_limit: named(&self.torque_limit, &default.torque_limit, "none")?,
+            protocol: named(&self.protocol, &default.protocol, "ring")?,
+            robots: self.robots,
+        })
+    }
+
     /// Checks the grid and the shard.
     ///
     /// # Errors
@@ -110,6 +133,15 @@ impl Grid {
 }
 
 impl Cell {
+    /// The same at another delay (s).
+    #[must_use]
+    pub fn at(&self, delay_s: f64) -> Self {
+        Self {
+            delay_s,
+            ..self.clone()
+        }
+    }
+
     /// The keys of `slipstream run --set` for this point.
     pub fn keys(&self) -> Vec<(String, String)> {
         [
@@ -142,6 +174,25 @@ impl Cell {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The usual values of the default grid are those of the built-in platoon.
+    #[test]
+    fn the_case_is_the_platoon_or_the_first_of_each_list() {
+        let case = Grid::default().case().unwrap();
+        let usual = case.experiment().unwrap().settings;
+        let platoon = resolve(&Request::default()).unwrap().experiment.settings;
+        assert_eq!(
+            (&usual.links, &usual.control),
+            (&platoon.links, &platoon.control)
+        );
+        let grid = Grid {
+            delay_s: vec![0.3, 0.1],
+            k_x: vec![2.0, 1.0],
+            ..Grid::default()
+        };
+        let case = grid.case().unwrap();
+        assert_eq!((case.delay_s, case.k_x), (0.1, 2.0));
+    }
 
     #[test]
     fn the_keys_are_those_of_run() {

@@ -2,16 +2,19 @@
 //! protocol, several runs at each point, and the paper's Eq. 13 and 14 beside what is measured.
 
 mod answers;
+mod effect;
 mod follower_recorder;
 mod forms;
 mod grid;
 mod merge;
 mod point;
 mod run_points;
+mod sentence;
 mod string_stability;
 mod study;
 
-pub use answers::{Answer, answers};
+pub use answers::{Answer, Table, answers};
+pub use effect::effect;
 pub use follower_recorder::{FollowerRecorder, FollowerTick};
 pub use forms::Form;
 pub use grid::{Cell, Grid};

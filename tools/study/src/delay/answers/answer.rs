@@ -12,8 +12,20 @@ pub struct Answer {
     pub question: String,
     /// The answer in words.
     pub answer: String,
+    /// A table that belongs to it, if there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub table: Option<Table>,
     /// The numbers behind it, each with its unit in its name.
     pub numbers: Vec<(String, f64)>,
+}
+
+/// A table of an answer.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Table {
+    /// Heads of the columns, with units.
+    pub heads: Vec<String>,
+    /// The rows.
+    pub rows: Vec<Vec<String>>,
 }
 
 impl Answer {
@@ -24,9 +36,26 @@ impl Answer {
         Self {
             question: question.to_owned(),
             answer,
+            table: None,
             numbers: known
                 .map(|&(name, value)| (name.to_owned(), value))
                 .collect(),
+        }
+    }
+
+    /// With a table.
+    pub(super) fn with_table<const N: usize>(
+        self,
+        heads: [&str; N],
+        rows: Vec<[String; N]>,
+    ) -> Self {
+        let table = Table {
+            heads: heads.map(str::to_owned).to_vec(),
+            rows: rows.into_iter().map(|row| row.to_vec()).collect(),
+        };
+        Self {
+            table: Some(table),
+            ..self
         }
     }
 }

@@ -48,7 +48,7 @@ pub(super) fn random(
     levels.sort_by(f64::total_cmp);
     levels.dedup();
     let (&least, others) = levels.split_first()?;
-    let mut lines = Vec::new();
+    let mut rows = Vec::new();
     let mut numbers = Vec::new();
     for &level in others {
         let pairs: Vec<(&Point, &Point)> = points
@@ -71,26 +71,42 @@ pub(super) fn random(
         let error = change(|point| point.max_spacing_error_m);
         let speed = change(|point| point.max_desired_speed_m_s);
         let slip = change(|point| point.slip_time_s);
-        lines.push(format!(
-            "{level} {unit}: spacing error {error:+.3} m, desired speed {speed:+.3} m/s, slip \
-             {slip:+.3} s"
-        ));
+        rows.push([
+            format!("{level}"),
+            format!("{:+.1}", 1e2 * error),
+            format!("{speed:+.3}"),
+            format!("{slip:+.3}"),
+        ]);
         numbers.push((format!("{what}_{level}_spacing_error_change_m"), error));
     }
-    if lines.is_empty() {
+    if rows.is_empty() {
         return None;
     }
     let numbers: Vec<(&str, f64)> = numbers.iter().map(|(n, v)| (n.as_str(), *v)).collect();
     Some(Answer::new(
         &format!("What does {what} do beside constant delay?"),
         format!(
-            "Against {least} {unit} at the same delay, gain, limit and protocol, largest values of \
-             all runs, on average over the points: {}. (The largest of several runs that differ is \
-             above that of runs that do not.)",
-            lines.join("; ")
+            "Against {least} {unit} at the same delay, gain, limit and protocol: largest values of all runs, on average \
+             over the points. The largest of several runs that differ is above that of runs that do not."
         ),
         &numbers,
+    )
+    .with_table(
+        [
+            &format!("{}, {unit}", capital(what)),
+            "Spacing error, cm",
+            "Desired speed, m/s",
+            "Slip, s",
+        ],
+        rows,
     ))
+}
+
+fn capital(text: &str) -> String {
+    let mut all = text.chars();
+    all.next().map_or_else(String::new, |first| {
+        first.to_uppercase().chain(all).collect()
+    })
 }
 
 /// Whether two cells are equal apart from this key, `jitter` or `loss`.

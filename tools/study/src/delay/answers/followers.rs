@@ -29,27 +29,35 @@ pub(super) fn slip(points: &[Point]) -> Answer {
             }
         }
     }
-    let line = |(cell, first): &(&Cell, Option<(f64, f64)>)| {
-        let Cell {
-            k_x,
-            torque_limit,
-            protocol,
-            ..
-        } = cell;
-        let begins = first.map_or("nowhere in the grid".to_owned(), |(delay, slip)| {
-            format!("at {delay} s ({slip:.3} s)")
-        });
-        format!("k_x {k_x}, limit {torque_limit}, {protocol}: {begins}")
+    let row = |(cell, first): &(&Cell, Option<(f64, f64)>)| {
+        let [delay, slip] = match first {
+            Some((delay_s, slip_s)) => [format!("{:.0}", 1e3 * delay_s), format!("{slip_s:.3}")],
+            None => ["nowhere in the grid".to_owned(), "0".to_owned()],
+        };
+        [cell.conditions(), delay, slip]
     };
-    let lines: Vec<String> = groups.iter().map(line).collect();
+    let least = points
+        .iter()
+        .map(|point| point.cell.delay_s)
+        .fold(f64::INFINITY, f64::min);
+    let at_once = groups
+        .iter()
+        .filter(|(_, first)| first.is_some_and(|(delay_s, _)| delay_s == least));
+    let never = groups.iter().filter(|(_, first)| first.is_none());
     Answer::new(
         "At which delay does slip begin?",
         format!(
-            "The smallest delay of the grid with any slip of a follower: {}. Where it is the grid's \
-             first, the profile's own acceleration makes them slip without delay.",
-            lines.join("; ")
+            "At the least delay already in {} of {} cases: there the profile's own acceleration makes followers slip. \
+             In {} cases at no delay of the grid.",
+            at_once.count(),
+            groups.len(),
+            never.count()
         ),
         &[],
+    )
+    .with_table(
+        ["Case", "Slip from a delay of, ms", "Slip there, s"],
+        groups.iter().map(row).collect(),
     )
 }
 
@@ -104,17 +112,26 @@ pub(super) fn growth(grid: &Grid, threads: usize) -> Result<Option<Answer>, Stud
         })
         .collect();
     let points = run_points(&cells, 1, threads)?;
-    let line = |point: &Point| {
-        format!(
-            "{} {}: age {:.3} s, spacing error {:.3} m, desired speed {:.3} m/s",
-            point.cell.protocol,
-            point.cell.robots,
-            point.age_s,
-            point.max_spacing_error_m,
-            point.max_desired_speed_m_s
-        )
+    let row = |point: &Point| {
+        [
+            point.cell.protocol.clone(),
+            point.cell.robots.to_string(),
+            format!("{:.0}", 1e3 * point.age_s),
+            format!("{:.1}", 1e2 * point.max_spacing_error_m),
+            format!("{:.3}", point.max_desired_speed_m_s),
+        ]
     };
-    let lines: Vec<String> = points.iter().map(line).collect();
+    let rows = points.iter().map(row).collect();
+    let ages = points.chunks(PLATOON_SIZES.len()).filter_map(|own| {
+        let (first, last) = (own.first()?, own.last()?);
+        let protocol = match first.cell.protocol.as_str() {
+            "ring" => "in a ring",
+            _ => "sent at every tick",
+        };
+        let [a, b] = [first, last].map(|point| 1e3 * point.age_s);
+        Some(format!("from {a:.0} to {b:.0} ms {protocol}"))
+    });
+    let ages: Vec<String> = ages.collect();
     let names: Vec<String> = points
         .iter()
         .map(|point| format!("{}_{}_age_s", point.cell.protocol, point.cell.robots))
@@ -128,11 +145,17 @@ pub(super) fn growth(grid: &Grid, threads: usize) -> Result<Option<Answer>, Stud
     Ok(Some(Answer::new(
         "How does it grow with the number of robots?",
         format!(
-            "Delay {delay} s on each link, one run each: {}. In a ring a position is renewed once a \
-             turn, and a turn takes a link and a wait for each robot; sent at every tick its age does \
-             not know how long the platoon is.",
-            lines.join("; ")
+            "From {} to {} robots the age of the position in use goes {}, with {:.0} ms of delay on each link, one run \
+             each. In a ring a position is renewed once a turn, and a turn takes a link and a wait for each robot.",
+            PLATOON_SIZES[0],
+            PLATOON_SIZES[PLATOON_SIZES.len() - 1],
+            ages.join(" and "),
+            1e3 * delay
         ),
         &numbers,
+    )
+    .with_table(
+        ["Protocol", "Robots", "Age, ms", "Spacing error, cm", "Desired speed, m/s"],
+        rows,
     )))
 }
