@@ -154,15 +154,27 @@ fn of_factor(study: &Study, case: &Cell, factor: &Factor) -> Markup {
         factor.name.to_lowercase()
     );
     let mut frame = Frame::new(delays(&all), scale, HEIGHTS_PX[1], described).x_axis("ms");
+    let mut ends = Vec::new();
     for (name, is_case, points) in &lines {
         let ink = if *is_case { Ink::After } else { Ink::Context };
         let errors = errors(points);
         frame = frame
             .line(ink, &errors, f64::INFINITY)
             .dots(ink, &errors, 6.0);
-        if let Some(&(x, y)) = errors.last() {
-            frame = frame.label(ink, [x, y], *name);
-        }
+        ends.extend(errors.last().map(|&end| (end, ink, *name)));
+    }
+    // Names of lines that end close to each other are set apart.
+    ends.sort_by(|a, b| a.0.1.total_cmp(&b.0.1));
+    let least = LABEL_SHARE * (scale.high - scale.low);
+    let mut above = f64::NEG_INFINITY;
+    for ((x, y), ink, name) in ends {
+        above = y.max(above + least);
+        frame = frame.label(ink, [x, above], name);
     }
     card(None, factor.name, "", &frame.markup(), "")
+}
+
+/// A value of a key as it was given, without the digits that a change of unit adds.
+fn plain(value: f64) -> String {
+    ((value * 1e9).round() / 1e9).to_string()
 }
