@@ -72,7 +72,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         output_file::write(file, &page)?;
     }
     reading.log.check()?;
-    print::out(format_args!("{}", table::table(&answer)));
+    let first = slipstream_report::trace::headline(&answer);
+    let then = slipstream_report::trace::lead_text(&answer);
+    print::out(format_args!("{first}\n{then}\n\n{}", table::table(&answer)));
     Ok(Exit::Done)
 }
 

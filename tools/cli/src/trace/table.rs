@@ -208,5 +208,16 @@ fn uncertain_row(text: &mut String, what: &str, figures: &Percentiles, uncertain
             format!("       ± {ms:.4}{words}")
         }
     };
-    let _ = writeln!(text, "{what:34} {p50:10.4} {p99:10.4} {max:10.4}{clocks}");
+    let [p50, p99, max] = [p50, p99, max].map(three_digits);
+    let _ = writeln!(text, "{what:34} {p50:>10} {p99:>10} {max:>10}{clocks}");
+}
+
+/// A number with the three digits that count.
+fn three_digits(value: f64) -> String {
+    let digits = match value.abs() {
+        own if own < 5e-5 => return "0".to_owned(),
+        own => 2 - own.log10().floor() as i32,
+    };
+    let digits = usize::try_from(digits.clamp(0, 4)).unwrap_or(0);
+    format!("{value:.digits$}")
 }

@@ -1,20 +1,19 @@
 //! The page of a trace: where the time went between encoder and torque, stage by stage.
 
-use maud::{Markup, html};
-use slipstream_trace::{
-    Answer, Hop, Host, Percentiles, Reading, TopicDelay, Uncertainty, ages_over_time,
-};
+mod age;
+mod bars;
+mod words;
 
-use crate::parts::{
-    Cell, Fact, Frame, Icon, Ink, Page, Row, Rows, Scale, Tone, fixed, table, verdict,
-};
+use maud::{Markup, html};
+use slipstream_trace::{Answer, Hop, Host, Percentiles, Reading, TopicDelay, Uncertainty};
+
+use crate::parts::{Cell, Fact, Icon, Page, Tone, fixed, table, verdict};
 use crate::stages::{ms, stage_class, stage_name};
 
-/// Links that are drawn, and rows of age.
+pub use self::words::{headline, is_virtual, lead_text};
+
+/// Links that are drawn.
 const LINKS: usize = 8;
-const AGES: usize = 4;
-/// Share of the longest latency from which on a stage is drawn in the bar itself.
-const LARGE: f64 = 0.02;
 
 /// What the page shows.
 pub struct Latency<'a> {
@@ -33,11 +32,7 @@ pub struct Latency<'a> {
 /// The HTML file.
 pub fn page(latency: &Latency<'_>) -> String {
     let answer = latency.answer;
-    let hop = median_hop(answer);
-    let sentence = hop.map_or_else(
-        || "No position was used: nothing to measure.".to_owned(),
-        |hop| sentence(hop, !answer.topics.is_empty()),
-    );
+    let sentence = headline(answer);
     let troubles = troubles(answer);
     let (tone, icon) = if troubles.is_empty() {
         (Tone::Good, Icon::Tick)
@@ -50,11 +45,11 @@ pub fn page(latency: &Latency<'_>) -> String {
         troubles.join(", ")
     };
     let body = html! {
-        (verdict(tone, icon, &chip, &facts(answer), &sentence, &lead(answer)))
-        (bars(answer))
+        (verdict(tone, icon, &chip, &facts(answer), &sentence, &words::lead(answer)))
+        (bars::bars(answer))
         section class="first" { div class="pair" {
             div { h2 { "Stage by stage" } (stages(answer)) }
-            div { h2 { "Age of the position in use" } (ages(latency)) }
+            div { h2 { "Age of the position in use" } (age::ages(latency)) }
         } }
         (loops(answer))
         (topics(answer))
@@ -77,54 +72,6 @@ pub fn page(latency: &Latency<'_>) -> String {
 /// Links of which a position was used.
 fn used(answer: &Answer) -> impl Iterator<Item = &Hop> {
     answer.hops.iter().filter(|hop| hop.end_to_end.is_some())
-}
-
-/// The link with the median latency.
-fn median_hop(answer: &Answer) -> Option<&Hop> {
-    let mut hops: Vec<&Hop> = used(answer).collect();
-    let end = |hop: &Hop| hop.end_to_end.map_or(0.0, |own| own.p50_s);
-    hops.sort_by(|a, b| end(a).total_cmp(&end(b)));
-    hops.get(hops.len() / 2).copied()
-}
-
-fn sentence(hop: &Hop, is_real: bool) -> String {
-    let total = hop.end_to_end.map_or(0.0, |own| own.p50_s);
-    let mut stages: Vec<(&str, f64)> = hop
-        .stages
-        .iter()
-        .map(|own| (own.stage.as_ref(), own.figures.p50_s))
-        .collect();
-    stages.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let large: Vec<&(&str, f64)> = stages
-        .iter()
-        .take(2)
-        .filter(|own| own.1 > LARGE * total)
-        .collect();
-    let rest = total - large.iter().map(|own| own.1).sum::<f64>();
-    let words = |stage: &str| match stage {
-        "injected_delay" => "is the delay you set",
-        "outer_wait" => "the wait for the next outer tick",
-        "inner_wait" => "the wait for the next inner tick",
-        "apply_wait" if is_real => "the way to the robot's topic",
-        "apply_wait" => "the wait for the plant step",
-        "sample_wait" if is_real => "the way from the robot and the wait for the sender's tick",
-        "sample_wait" => "the wait for the sender's tick",
-        "compute" => "computing",
-        _ => "the bus",
-    };
-    let mut parts: Vec<String> = large
-        .iter()
-        .map(|(stage, s)| format!("{} ms {}", ms(*s), words(stage)))
-        .collect();
-    if rest > 0.0 {
-        parts.push(format!("{} ms all the rest", ms(rest)));
-    }
-    format!(
-        "A position takes {} ms from encoder to {}: {}.",
-        ms(total),
-        if is_real { "command" } else { "torque" },
-        parts.join(", ")
-    )
 }
 
 /// What went wrong, in words.
@@ -163,100 +110,6 @@ fn facts(answer: &Answer) -> String {
         fixed(missed as f64, 0),
         fixed(ticks as f64, 0)
     )
-}
-
-fn lead(answer: &Answer) -> Markup {
-    let mut ages: Vec<_> = answer
-        .at_outer_ticks
-        .iter()
-        .filter(|own| own.to != "r1")
-        .collect();
-    ages.sort_by(|a, b| b.figures.p50_s.total_cmp(&a.figures.p50_s));
-    html! {
-        @match ages.first() {
-            Some(own) => {
-                "At its outer ticks " (own.to) " steers by a position that is " b class="cw" { (ms(own.figures.p50_s)) " ms" }
-                " old in the median, and " b class="cw" { (ms(own.figures.p99_s)) " ms" } " in one of a hundred."
-            }
-            None => "No robot steers by the position of another."
-        }
-    }
-}
-
-fn bars(answer: &Answer) -> Markup {
-    let hops: Vec<&Hop> = used(answer).take(LINKS).collect();
-    let end = |hop: &Hop| hop.end_to_end.map_or(0.0, |own| own.p99_s.max(own.p50_s));
-    let longest = hops.iter().map(|hop| end(hop)).fold(0.0, f64::max);
-    let scale = Scale::new(0.0, 1000.0 * longest.max(1e-9), 5);
-    let at = |seconds: f64| 100.0 * scale.place(1000.0 * seconds);
-    let left = used(answer).count() - hops.len();
-    html! {
-        @if !hops.is_empty() {
-            figure class="hops" aria-label="Median latency of each link, stage by stage" {
-                @for hop in &hops {
-                    div class="hop" {
-                        b { (hop.from) " → " (hop.to) }
-                        div class="bar" role="img" aria-label=(described(hop)) style="gap:0;position:relative" {
-                            @for stage in &hop.stages {
-                                span class=(stage_class(&stage.stage)) style=(format!("width:{:.2}%;min-width:0", at(stage.figures.p50_s).max(0.0)))
-                                    title=(format!("{}: {} ms", stage_name(&stage.stage), ms(stage.figures.p50_s))) {}
-                            }
-                            @if let Some(all) = hop.end_to_end {
-                                i class="whisker" style=(format!("left:{:.2}%;width:{:.2}%", at(all.p50_s), (at(all.p99_s) - at(all.p50_s)).max(0.0))) {}
-                            }
-                        }
-                    }
-                }
-                div class="hop" { span {} div class="ax" style="height:18px" {
-                    @for (value, text) in scale.ticks() { span style=(format!("left:{:.1}%", 100.0 * scale.place(value))) { (text) } }
-                } }
-                figcaption { "Medians in ms; the line goes to the 99th percentile. "
-                    span class="sw sn" {} " set by you  " span class="sw sw-w" {} " waiting  " span class="sw sw-i" {} " computing and transport"
-                    @if left > 0 { ". " (left) " more links are in the table." }
-                }
-                @if let Some(hop) = median_hop(answer) { (rest(hop)) }
-            }
-        }
-    }
-}
-
-fn described(hop: &Hop) -> String {
-    let parts: Vec<String> = hop
-        .stages
-        .iter()
-        .map(|own| format!("{} {} ms", stage_name(&own.stage), ms(own.figures.p50_s)))
-        .collect();
-    parts.join(", ")
-}
-
-/// The stages that are too short to be seen in the bars, enlarged.
-fn rest(hop: &Hop) -> Markup {
-    let total = hop.end_to_end.map_or(0.0, |own| own.p50_s);
-    let small: Vec<_> = hop
-        .stages
-        .iter()
-        .filter(|own| own.figures.p50_s > 0.0 && own.figures.p50_s < LARGE * total)
-        .collect();
-    let sum: f64 = small.iter().map(|own| own.figures.p50_s).sum();
-    html! {
-        @if sum > 0.0 {
-            div class="hop" style="margin-top:10px" {
-                span { b { "All the rest" } br; span class="muted" { (ms(sum)) " ms" } }
-                div {
-                    div class="bar" role="img" aria-label=(described(hop)) {
-                        @for own in &small {
-                            span class=(stage_class(&own.stage)) style=(format!("flex:{:.5};min-width:1px", own.figures.p50_s / sum)) {}
-                        }
-                    }
-                    ul class="labs" {
-                        @for own in &small {
-                            li { i class=(format!("sw {}", stage_class(&own.stage))) {} span { (stage_name(&own.stage)) " " b { (ms(own.figures.p50_s)) } } }
-                        }
-                    }
-                }
-            }
-        }
-    }
 }
 
 fn stages(answer: &Answer) -> Markup {
@@ -298,6 +151,7 @@ fn stages(answer: &Answer) -> Markup {
     );
     rows.push(total);
     html! {
+        @if is_virtual(answer) { p class="sub" { (words::VIRTUAL) } }
         (table("Stages of each link in milliseconds", &heads, &rows))
         @if are_uncertain {
             p class="sub" { "A stage that ends on another host than it begins is uncertain by the clocks of the hosts, and may be negative. "
@@ -339,79 +193,6 @@ fn fates(answer: &Answer) -> Markup {
         h3 style="margin-top:20px" { "What became of the messages" }
         (table("Messages of each link", &["Link", "Sent", "Used", "Lost", "Overtaken", "Under way", "Not known"], &rows))
     }
-}
-
-fn ages(latency: &Latency<'_>) -> Markup {
-    let all = ages_over_time(&latency.reading.log);
-    let followers: Vec<_> = all
-        .iter()
-        .filter(|own| own.to != 0 && own.points.len() > 1)
-        .take(AGES)
-        .collect();
-    let [low, high] =
-        followers
-            .iter()
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], own| {
-                let first = own.points.first().map_or(low, |p| p.0);
-                let last = own.points.last().map_or(high, |p| p.0);
-                [low.min(first), high.max(last)]
-            });
-    let most = followers
-        .iter()
-        .flat_map(|own| own.points.iter().map(|p| 1000.0 * p.1));
-    let y = Scale::around(most, true, 4);
-    let x = Scale::new(low, high, 4);
-    let mut rows = Rows::new("age");
-    for (index, own) in followers.iter().enumerate() {
-        let points: Vec<(f64, f64)> = own
-            .points
-            .iter()
-            .map(|(t, age)| (*t, 1000.0 * age))
-            .collect();
-        let mut frame = Frame::new(
-            x,
-            y,
-            110,
-            format!(
-                "Age of the position that {} uses, ms",
-                latency.reading.name_of(own.to)
-            ),
-        )
-        .line(Ink::Wait, &steps(&points), f64::INFINITY);
-        if index + 1 == followers.len() {
-            frame = frame.x_axis("s");
-        }
-        rows = rows.row(
-            Row::new(
-                format!(
-                    "{} of {}",
-                    latency.reading.name_of(own.to),
-                    latency.reading.name_of(own.from)
-                ),
-                "ms",
-                frame,
-            )
-            .reads(Ink::Wait, "ms old", &points, 1),
-        );
-    }
-    html! {
-        @if rows.is_empty() { p class="sub" { "No robot uses the position of another." } } @else {
-            p class="sub" { "At each outer tick, since the encoders of the robot ahead were read. Each robot hears once in a round of the ring; "
-                code { "--set links.protocol=periodic" } " sends at each outer tick instead." }
-            (rows.markup())
-        }
-    }
-}
-
-/// A line that holds its value until the next point.
-fn steps(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    let mut out = Vec::with_capacity(2 * points.len());
-    for pair in points.windows(2) {
-        out.push(pair[0]);
-        out.push((pair[1].0, pair[0].1));
-    }
-    out.extend(points.last());
-    out
 }
 
 fn loops(answer: &Answer) -> Markup {
