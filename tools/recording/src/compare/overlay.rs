@@ -1,6 +1,7 @@
 //! Recorded and simulated values of every quantity that both have.
 
 use slipstream_bus::RobotModel;
+use slipstream_sim::Stream as SimulatedStream;
 
 use super::channel::Channel;
 use super::simulation::Sample;
@@ -37,9 +38,10 @@ struct Overlay<'a> {
 }
 
 impl Overlay<'_> {
-    /// Adds a channel: its recorded column, and the same quantity of a simulated sample.
+    /// Adds a channel: its recorded column, and the same quantity of a simulated sample with the stamps of its stream.
     fn add(
         &mut self,
+        stream: SimulatedStream,
         name: &str,
         unit: &'static str,
         t_s: &[f64],
@@ -47,7 +49,8 @@ impl Overlay<'_> {
         simulated: impl Fn(&Sample) -> f64,
     ) {
         let recorded = t_s.iter().copied().zip(recorded.iter().copied());
-        let simulated = self.samples.iter().map(|s| (s.t_s, simulated(s)));
+        let simulated_samples = self.samples.iter();
+        let simulated = simulated_samples.map(|s| (s.stamp_s(stream), simulated(s)));
         self.channels.push(Channel {
             robot: self.robot.name.clone(),
             name: name.to_owned(),
@@ -62,14 +65,31 @@ impl Overlay<'_> {
             return;
         };
         let behind = tracked_point_to_com_m(self.robot, model);
-        self.add("pose x", "m", t_s, &values.x_m, |s| {
-            s.pose[0] - behind * s.pose[2].cos()
-        });
-        self.add("pose y", "m", t_s, &values.y_m, |s| {
-            s.pose[1] - behind * s.pose[2].sin()
-        });
+        self.add(
+            SimulatedStream::Pose,
+            "pose x",
+            "m",
+            t_s,
+            &values.x_m,
+            |s| s.pose[0] - behind * s.pose[2].cos(),
+        );
+        self.add(
+            SimulatedStream::Pose,
+            "pose y",
+            "m",
+            t_s,
+            &values.y_m,
+            |s| s.pose[1] - behind * s.pose[2].sin(),
+        );
         if let Some(yaw) = &values.yaw_rad {
-            self.add("pose yaw", "rad", t_s, &unwrap_angles(yaw), |s| s.pose[2]);
+            self.add(
+                SimulatedStream::Pose,
+                "pose yaw",
+                "rad",
+                t_s,
+                &unwrap_angles(yaw),
+                |s| s.pose[2],
+            );
         }
     }
 
@@ -84,7 +104,9 @@ impl Overlay<'_> {
                 let first = angles.iter().copied().find(|a| a.is_finite());
                 let first = first.unwrap_or(0.0);
                 let turned: Vec<f64> = angles.iter().map(|a| a - first).collect();
-                self.add(name, "rad", t_s, &turned, |s| s.angle[side]);
+                self.add(SimulatedStream::Wheels, name, "rad", t_s, &turned, |s| {
+                    s.angle[side]
+                });
             }
         }
         if let Wheels::Speed {
@@ -93,7 +115,9 @@ impl Overlay<'_> {
         } = values
         {
             for (side, (name, speeds)) in names.iter().zip([right_rad_s, left_rad_s]).enumerate() {
-                self.add(name, "rad/s", t_s, speeds, |s| s.speed[side]);
+                self.add(SimulatedStream::Wheels, name, "rad/s", t_s, speeds, |s| {
+                    s.speed[side]
+                });
             }
         }
     }
@@ -105,11 +129,15 @@ impl Overlay<'_> {
         let axes = [("imu ax", &values.ax_m_s2), ("imu ay", &values.ay_m_s2)];
         for (axis, (name, column)) in axes.into_iter().enumerate() {
             if let Some(column) = column {
-                self.add(name, "m/s²", t_s, column, |s| s.acceleration[axis]);
+                self.add(SimulatedStream::Imu, name, "m/s²", t_s, column, |s| {
+                    s.inertial[axis]
+                });
             }
         }
         if let Some(gz) = &values.gz_rad_s {
-            self.add("imu gz", "rad/s", t_s, gz, |s| s.velocity[2]);
+            self.add(SimulatedStream::Imu, "imu gz", "rad/s", t_s, gz, |s| {
+                s.inertial[2]
+            });
         }
     }
 
@@ -117,9 +145,23 @@ impl Overlay<'_> {
         let Some(Stream { t_s, values, .. }) = &self.robot.odometry else {
             return;
         };
-        self.add("odometry v", "m/s", t_s, &values.v_m_s, |s| s.velocity[0]);
+        self.add(
+            SimulatedStream::Wheels,
+            "odometry v",
+            "m/s",
+            t_s,
+            &values.v_m_s,
+            |s| s.odometry[0],
+        );
         if let Some(w) = &values.w_rad_s {
-            self.add("odometry w", "rad/s", t_s, w, |s| s.velocity[2]);
+            self.add(
+                SimulatedStream::Wheels,
+                "odometry w",
+                "rad/s",
+                t_s,
+                w,
+                |s| s.odometry[1],
+            );
         }
     }
 }

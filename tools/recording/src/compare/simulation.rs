@@ -1,6 +1,6 @@
 //! Open-loop simulation of the plant with a sequence of commands.
 
-use slipstream_sim::{Command as PlantCommand, Robot as Plant, State};
+use slipstream_sim::{Command as PlantCommand, Robot as Plant, State, Stream};
 
 use crate::recording::Robot;
 
@@ -11,20 +11,27 @@ const SAMPLE_S: f64 = 5e-3;
 /// How long the last command holds at most (s); pose or wheels may have a stray late time.
 const MAX_HOLD_S: f64 = 1.0;
 
-/// The simulated state at one time. Pairs are [right, left].
+/// What the sensors report of the simulated state at one time, without noise. Pairs are [right, left].
 pub(super) struct Sample {
-    /// Time (s).
-    pub(super) t_s: f64,
-    /// Pose of the centre of mass c: x (m), y (m), yaw (rad).
+    /// Time stamps of pose, wheels and inertial sensor (s).
+    pub(super) stamps_s: [f64; 3],
+    /// Pose as a camera reports it for c: x (m), y (m), yaw (rad).
     pub(super) pose: [f64; 3],
-    /// Velocity in the body frame: forward (m/s), to the left (m/s), yaw rate (rad/s).
-    pub(super) velocity: [f64; 3],
-    /// Acceleration forward and to the left (m/s²).
-    pub(super) acceleration: [f64; 2],
-    /// Wheel angles as the encoders see them (rad).
+    /// Specific force forward and to the left (m/s²), yaw rate (rad/s).
+    pub(super) inertial: [f64; 3],
+    /// Wheel angles by the encoders (rad).
     pub(super) angle: [f64; 2],
-    /// Wheel speeds (rad/s).
+    /// Wheel speeds by the encoders (rad/s).
     pub(super) speed: [f64; 2],
+    /// Forward speed (m/s) and yaw rate (rad/s) by the encoders and the nominal model.
+    pub(super) odometry: [f64; 2],
+}
+
+impl Sample {
+    /// Time stamp by a stream (s).
+    pub(super) fn stamp_s(&self, stream: Stream) -> f64 {
+        self.stamps_s[stream as usize]
+    }
 }
 
 /// Simulates from the start pose of c to the last row, but not beyond `until_s`.
@@ -75,13 +82,13 @@ fn end_time_s(robot: &Robot, commands: &[(f64, PlantCommand)]) -> f64 {
 }
 
 fn sample(plant: &Plant, t_s: f64, state: &State) -> Sample {
-    let [along, across, _] = state.acceleration();
+    let speed = plant.measured_speed(state);
     Sample {
-        t_s,
-        pose: state.pose(),
-        velocity: state.velocity(),
-        acceleration: [along, across],
+        stamps_s: [Stream::Pose, Stream::Wheels, Stream::Imu].map(|own| plant.stamp_s(own, t_s)),
+        pose: plant.measured_pose(state.pose()),
+        inertial: plant.measured_inertial(state),
         angle: plant.measured_angle(state),
-        speed: state.wheel_speed(),
+        speed,
+        odometry: plant.odometry(speed),
     }
 }

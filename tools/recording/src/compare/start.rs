@@ -10,6 +10,8 @@ use crate::recording::Robot;
 
 /// Duration of the poses to which the start pose is fitted (s).
 const FIT_DURATION_S: f64 = 0.5;
+/// Corrections of the start pose: a turned or shifted tracking point moves with the heading.
+const CORRECTIONS: usize = 3;
 
 /// The start pose of c: the first recorded pose, corrected by the mean difference between recorded and
 /// simulated poses over the first half second, because a single pose is noisy.
@@ -24,7 +26,21 @@ pub(super) fn fit_start_pose(
         return first;
     };
     let until_s = from_s.max(pose.t_s.first().copied().unwrap_or(*from_s)) + FIT_DURATION_S;
-    let samples = simulate(plant, robot, first, commands, until_s);
+    (0..CORRECTIONS).fold(first, |start, _| {
+        corrected(plant, robot, model, commands, start, until_s)
+    })
+}
+
+/// A start pose, corrected by what recorded and simulated poses differ until `until_s`.
+fn corrected(
+    plant: &Plant,
+    robot: &Robot,
+    model: &RobotModel,
+    commands: &[(f64, PlantCommand)],
+    start: [f64; 3],
+    until_s: f64,
+) -> [f64; 3] {
+    let samples = simulate(plant, robot, start, commands, until_s);
     let channels = channels(robot, model, &samples);
     let mean_difference = |name: &str| -> f64 {
         let Some(channel) = channels.iter().find(|channel| channel.name == name) else {
@@ -36,7 +52,7 @@ pub(super) fn fit_start_pose(
             .collect();
         differences.iter().sum::<f64>() / (differences.len() as f64).max(1.0)
     };
-    let [x_m, y_m, yaw_rad] = first;
+    let [x_m, y_m, yaw_rad] = start;
     [
         x_m + mean_difference("pose x"),
         y_m + mean_difference("pose y"),
