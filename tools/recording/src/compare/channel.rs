@@ -16,15 +16,23 @@ pub struct Channel {
 }
 
 impl Channel {
-    /// Root mean square of recorded minus simulated, over the recorded times for which there is a
-    /// simulated value; `None` if there are none.
-    pub fn rms_difference(&self) -> Option<f64> {
-        let differences = self.recorded.iter().filter_map(|(t_s, value)| {
-            let difference = value - interpolate(&self.simulated, *t_s)?;
-            difference.is_finite().then_some(difference)
+    /// Simulated minus recorded, at the recorded times (s) for which there is a simulated value.
+    pub fn differences(&self) -> Vec<(f64, f64)> {
+        let each = self.recorded.iter().filter_map(|(t_s, value)| {
+            let difference = interpolate(&self.simulated, *t_s)? - value;
+            difference.is_finite().then_some((*t_s, difference))
         });
-        let (sum, n) = differences.fold((0.0, 0), |(sum, n), d| (sum + d * d, n + 1));
-        (n > 0).then(|| (sum / f64::from(n)).sqrt())
+        each.collect()
+    }
+
+    /// Root mean square of the differences; `None` if there are none.
+    pub fn rms_difference(&self) -> Option<f64> {
+        let all = self.differences();
+        let sum: f64 = all
+            .iter()
+            .map(|(_, difference)| difference * difference)
+            .sum();
+        (!all.is_empty()).then(|| (sum / all.len() as f64).sqrt())
     }
 }
 

@@ -108,6 +108,17 @@ impl Frame {
         self
     }
 
+    /// The area between a line and 0.
+    #[must_use]
+    pub fn filled(mut self, ink: Ink, points: &[(f64, f64)]) -> Self {
+        let zero: Vec<(f64, f64)> = points.iter().map(|(x, _)| (*x, 0.0)).collect();
+        let path = area(&zero, points, &self.x, &self.y);
+        let class = ink.stroke();
+        self.back
+            .push_str(&format!("<path class=\"fill {class}\" d=\"{path}\"/>"));
+        self
+    }
+
     /// What a sensor alone does: a band of this half width around 0.
     #[must_use]
     pub fn noise(mut self, half: f64) -> Self {

@@ -16,6 +16,7 @@ pub struct Rows {
     id: String,
     rows: Vec<Row>,
     choices: Vec<(usize, String)>,
+    begins_at_s: Option<f64>,
     floor: Option<(Frame, Vec<Dot>)>,
 }
 
@@ -107,6 +108,13 @@ impl Rows {
         self
     }
 
+    /// Where the cursor stands before it is moved (s).
+    #[must_use]
+    pub fn cursor_at(mut self, t_s: f64) -> Self {
+        self.begins_at_s = Some(t_s);
+        self
+    }
+
     /// A chart of the floor beside the rows, on which dots follow the cursor: time (s), x and y (m).
     #[must_use]
     pub fn floor(
@@ -136,7 +144,7 @@ impl Rows {
         let chosen = self.choices.first().map(|(number, _)| *number);
         html! {
             div class=(if self.floor.is_some() { "evg beside" } else { "evg" })
-                data-cursor=(format!("{}-data", self.id)) data-sel=[chosen] {
+                data-cursor=(format!("{}-data", self.id)) data-sel=[chosen] data-at=[self.begins_at_s] {
                 @if self.choices.len() > 1 { (self.buttons()) }
                 @if let Some((frame, dots)) = &self.floor {
                     figure class="pathf" {
@@ -242,7 +250,14 @@ impl Rows {
             finite.map(|p| p.0).collect()
         });
         let stride = times.len().div_ceil(INSTANTS).max(1);
-        times.into_iter().step_by(stride).collect()
+        let mut instants: Vec<f64> = times.into_iter().step_by(stride).collect();
+        if let Some(t_s) = self.begins_at_s {
+            let place = instants.partition_point(|own| *own < t_s);
+            if instants.get(place) != Some(&t_s) {
+                instants.insert(place, t_s);
+            }
+        }
+        instants
     }
 }
 

@@ -146,6 +146,12 @@
       frame.addEventListener('pointerleave', up);
       frame.addEventListener('dblclick', function () { zoom(0, 1); });
     });
+    if (box.dataset.at && t.length) {
+      var nearest = 0;
+      t.forEach(function (own, i) { if (Math.abs(own - box.dataset.at) < Math.abs(t[nearest] - box.dataset.at)) nearest = i; });
+      show(nearest);
+      addEventListener('resize', function () { show(place); });
+    }
     input.oninput = function () { show(+input.value); };
     input.onfocus = function () { show(place || t.length >> 1); };
     all(box, '[data-zoom]').forEach(function (own) {

@@ -1,18 +1,15 @@
 //! The page of a comparison: how far the simulation drifts from the recording, when, and along which path.
 
-use maud::html;
-use slipstream_recording::recording::Recording;
-use slipstream_recording::{Channel, interpolate};
+mod charts;
 
-use crate::parts::{
-    Fact, Frame, Icon, Ink, Page, Points, Row, Rows, Scale, Tone, Way, capital, columns_of, fixed,
-    floor_scales, gap_of, short, verdict, with_unit,
-};
+use maud::html;
+use slipstream_recording::Channel;
+use slipstream_recording::recording::Recording;
+
+use crate::parts::{Fact, Icon, Page, Tone, columns_of, fixed, short, verdict};
 
 /// Robots that are drawn.
 const DRAWN: usize = 12;
-/// Height of a chart.
-const HEIGHT_PX: u32 = 78;
 /// Distance from which on the simulation counts as drifting apart (cm), and that which is named first.
 const APART_CM: f64 = 2.0;
 const NAMED_CM: f64 = 10.0;
@@ -44,13 +41,7 @@ impl<'a> Apart<'a> {
                 .iter()
                 .find(|own| own.robot == robot && own.name == name)
         };
-        let difference = |name: &str| -> Vec<(f64, f64)> {
-            own(name).map_or_else(Vec::new, |own| {
-                let each = own.recorded.iter();
-                each.filter_map(|(t, v)| Some((*t, interpolate(&own.simulated, *t)? - v)))
-                    .collect()
-            })
-        };
+        let difference = |name: &str| own(name).map_or_else(Vec::new, Channel::differences);
         let (x, y) = (difference("pose x"), difference("pose y"));
         let distance = x
             .iter()
@@ -126,7 +117,7 @@ pub fn page(comparison: &Comparison<'_>) -> String {
         @for (place, own) in apart.iter().enumerate() {
             section class=(if place == 0 { "first" } else { "" }) {
                 @if apart.len() > 1 { h2 { (own.robot) } }
-                (robot(comparison, own, place, columns))
+                (charts::robot(comparison.channels, own, place, columns))
             }
         }
         @if left_out > 0 { p class="sub" { (left_out) " more robots are closer and are not drawn." } }
@@ -202,120 +193,4 @@ fn words(recording: &Recording, apart: &[Apart<'_>]) -> (String, String, Tone) {
         lead,
         Tone::Bad,
     )
-}
-
-/// The charts of one robot: distance, channels, and the path beside them.
-fn robot(
-    comparison: &Comparison<'_>,
-    apart: &Apart<'_>,
-    place: usize,
-    columns: usize,
-) -> maud::Markup {
-    let own: Vec<&Channel> = comparison
-        .channels
-        .iter()
-        .filter(|c| c.robot == apart.robot)
-        .collect();
-    let ends = own
-        .iter()
-        .flat_map(|c| c.recorded.first().into_iter().chain(c.recorded.last()));
-    let [low, high] = ends.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], p| {
-        [low.min(p.0), high.max(p.0)]
-    });
-    let x = Scale::new(low, high, 7);
-    let mut rows = Rows::new(format!("c{place}"));
-    if !apart.distance.is_empty() {
-        let y = Scale::around(apart.distance.iter().map(|p| p.1), true, 3);
-        let frame = Frame::new(
-            x,
-            y,
-            HEIGHT_PX,
-            "Distance between measured and simulated place, cm",
-        )
-        .columns(columns)
-        .line(Ink::Before, &apart.distance, gap_of(&apart.distance));
-        let row = Row::new("Distance apart", "cm", frame)
-            .reads(Ink::Before, "cm", &apart.distance, 1)
-            .reads(Ink::Before, "degrees", &apart.heading, 1);
-        rows = rows.row(row);
-    }
-    for (index, channel) in own.iter().enumerate() {
-        rows = rows.row(channel_row(channel, x, columns, index + 1 == own.len()));
-    }
-    let find = |name: &str| own.iter().find(|c| c.name == name);
-    if let (Some(cx), Some(cy)) = (find("pose x"), find("pose y")) {
-        let seen = way(&cx.recorded, &cy.recorded);
-        let simulated = way(&within(&cx.simulated, x), &within(&cy.simulated, x));
-        let [a, b] =
-            [&seen, &simulated].map(|own| own.iter().map(|p| (p.1, p.2)).collect::<Points>());
-        let scales = floor_scales(a.iter().chain(&b).copied());
-        let mut frame = Frame::floor(
-            scales[0],
-            scales[1],
-            "Measured and simulated path on the floor, in metres",
-        )
-        .x_axis("m")
-        .trail(Ink::Measured, &a)
-        .trail(Ink::Before, &b);
-        if let Some(start) = a.first() {
-            frame = frame.dots(Ink::Measured, &[*start], 7.0);
-        }
-        rows = rows.floor(
-            frame,
-            scales,
-            [(Ink::Measured, seen), (Ink::Before, simulated)],
-        );
-    }
-    rows.markup()
-}
-
-fn channel_row(channel: &Channel, x: Scale, columns: usize, is_last: bool) -> Row {
-    let (factor, unit) = match channel.unit {
-        "rad" => (1.0_f64.to_degrees(), "degrees"),
-        unit => (1.0, unit),
-    };
-    let scaled = |points: &[(f64, f64)]| -> Points {
-        points.iter().map(|(t, v)| (*t, factor * v)).collect()
-    };
-    let (recorded, simulated) = (
-        scaled(&channel.recorded),
-        within(&scaled(&channel.simulated), x),
-    );
-    let y = Scale::around(recorded.iter().chain(&simulated).map(|p| p.1), true, 3);
-    let y = if unit == "degrees" { y.of_degrees() } else { y };
-    let described = format!("{} measured and simulated over time, {unit}", channel.name);
-    let mut frame = Frame::new(x, y, HEIGHT_PX, described)
-        .columns(columns)
-        .line(Ink::Measured, &recorded, gap_of(&recorded))
-        .line(Ink::Before, &simulated, f64::INFINITY);
-    if is_last {
-        frame = frame.x_axis("s");
-    }
-    let digits = (y.digits() + 1).min(4);
-    let row = Row::new(capital(&channel.name), unit, frame)
-        .reads(Ink::Measured, "measured", &recorded, digits)
-        .reads(Ink::Before, "simulated", &simulated, digits);
-    match channel.rms_difference() {
-        Some(rms) => {
-            let unit = if unit == "degrees" { "°" } else { unit };
-            let words = with_unit(&short(factor * rms), unit);
-            row.legend(Ink::Before, format!("rms difference {words}"))
-        }
-        None => row,
-    }
-}
-
-fn way(x: &[(f64, f64)], y: &[(f64, f64)]) -> Way {
-    x.iter()
-        .zip(y)
-        .map(|((t, x), (_, y))| (*t, *x, *y))
-        .collect()
-}
-
-fn within(points: &[(f64, f64)], x: Scale) -> Points {
-    points
-        .iter()
-        .copied()
-        .filter(|p| p.0 >= x.low && p.0 <= x.high)
-        .collect()
 }
