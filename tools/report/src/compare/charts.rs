@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 use slipstream_recording::Channel;
 
-use super::Apart;
+use super::apart::Apart;
 use crate::parts::{
     Frame, Ink, Points, Row, Rows, Scale, Way, capital, floor_scales, gap_of, short, with_unit,
 };

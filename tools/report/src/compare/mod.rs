@@ -1,11 +1,13 @@
 //! The page of a comparison: how far the simulation drifts from the recording, when, and along which path.
 
+mod apart;
 mod charts;
 
 use maud::html;
 use slipstream_recording::Channel;
 use slipstream_recording::recording::Recording;
 
+use self::apart::Apart;
 use crate::parts::{Fact, Icon, Page, Tone, columns_of, fixed, short, verdict};
 
 /// Robots that are drawn.
@@ -24,43 +26,6 @@ pub struct Comparison<'a> {
     pub command_line: String,
     /// Program and files.
     pub facts: Vec<Fact>,
-}
-
-/// How far one robot is from its simulation.
-struct Apart<'a> {
-    robot: &'a str,
-    /// Time (s), distance (cm), heading error (degrees).
-    distance: Vec<(f64, f64)>,
-    heading: Vec<(f64, f64)>,
-}
-
-impl<'a> Apart<'a> {
-    fn new(robot: &'a str, channels: &[Channel]) -> Self {
-        let own = |name: &str| {
-            channels
-                .iter()
-                .find(|own| own.robot == robot && own.name == name)
-        };
-        let difference = |name: &str| own(name).map_or_else(Vec::new, Channel::differences);
-        let (x, y) = (difference("pose x"), difference("pose y"));
-        let distance = x
-            .iter()
-            .zip(&y)
-            .map(|((t, dx), (_, dy))| (*t, 100.0 * dx.hypot(*dy)));
-        let heading = difference("pose yaw");
-        Self {
-            robot,
-            distance: distance.collect(),
-            heading: heading.iter().map(|(t, r)| (*t, r.to_degrees())).collect(),
-        }
-    }
-
-    fn largest(points: &[(f64, f64)]) -> Option<(f64, f64)> {
-        let finite = points.iter().filter(|p| p.1.is_finite());
-        finite
-            .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
-            .copied()
-    }
 }
 
 /// The HTML file.

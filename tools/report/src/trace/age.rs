@@ -1,9 +1,8 @@
 //! How old the position in use is: a few rounds of it.
 
 use maud::{Markup, html};
-use slipstream_trace::{AgeLine, ages_over_time};
+use slipstream_trace::{AgeLine, Reading, ages_over_time};
 
-use super::Latency;
 use crate::parts::{Frame, Ink, Points, Row, Rows, Scale, fixed};
 
 /// Followers that are shown.
@@ -12,8 +11,8 @@ const AGES: usize = 4;
 const ROUNDS: f64 = 4.0;
 
 /// The section.
-pub(super) fn ages(latency: &Latency<'_>) -> Markup {
-    let all = ages_over_time(&latency.reading.log);
+pub(super) fn ages(reading: &Reading) -> Markup {
+    let all = ages_over_time(&reading.log);
     let followers: Vec<&AgeLine> = all
         .iter()
         .filter(|own| own.to != 0 && own.points.len() > 2)
@@ -37,7 +36,7 @@ pub(super) fn ages(latency: &Latency<'_>) -> Markup {
     let mut rows = Rows::new("age");
     for (index, own) in followers.iter().enumerate() {
         let points = shown(own);
-        let [to, from] = [own.to, own.from].map(|robot| latency.reading.name_of(robot));
+        let [to, from] = [own.to, own.from].map(|robot| reading.name_of(robot));
         let described = format!("Age of the position that {to} uses over some rounds, ms");
         let mut frame = Frame::new(x, y, 110, described)
             .span(None, round.second_s())

@@ -3,11 +3,12 @@
 use maud::{Markup, html};
 use slipstream_trace::{Answer, Hop};
 
-use super::words::{LARGE, median_hop};
-use super::{LINKS, used};
+use super::words::{LARGE, median_hop, used};
 use crate::parts::{Scale, fixed};
 use crate::stages::{ms, stage_class, stage_name};
 
+/// Links that are drawn.
+pub(super) const LINKS: usize = 8;
 /// Width of a stage from which on its name stands above it (% of the bar).
 const NAMED_PERCENT: f64 = 18.0;
 

@@ -7,13 +7,12 @@ mod words;
 use maud::{Markup, html};
 use slipstream_trace::{Answer, Hop, Host, Percentiles, Reading, TopicDelay, Uncertainty};
 
+use self::bars::LINKS;
+use self::words::used;
 use crate::parts::{Cell, Fact, Icon, Page, Tone, fixed, table, verdict};
 use crate::stages::{ms, stage_class, stage_name};
 
 pub use self::words::{headline, is_virtual, lead_text};
-
-/// Links that are drawn.
-const LINKS: usize = 8;
 
 /// What the page shows.
 pub struct Latency<'a> {
@@ -49,7 +48,7 @@ pub fn page(latency: &Latency<'_>) -> String {
         (bars::bars(answer))
         section class="first" { div class="pair" {
             div { h2 { "Stage by stage" } (stages(answer)) }
-            div { h2 { "Age of the position in use" } (age::ages(latency)) }
+            div { h2 { "Age of the position in use" } (age::ages(latency.reading)) }
         } }
         (loops(answer))
         (topics(answer))
@@ -67,11 +66,6 @@ pub fn page(latency: &Latency<'_>) -> String {
         ..Page::default()
     };
     page.html()
-}
-
-/// Links of which a position was used.
-fn used(answer: &Answer) -> impl Iterator<Item = &Hop> {
-    answer.hops.iter().filter(|hop| hop.end_to_end.is_some())
 }
 
 /// What went wrong, in words.

@@ -3,7 +3,6 @@
 use maud::{Markup, html};
 use slipstream_trace::{Age, Answer, Change, Hop};
 
-use super::used;
 use crate::stages::{ms, stage_name};
 
 /// Share of the latency from which on a stage is named by itself, and drawn in the bar itself.
@@ -11,6 +10,11 @@ pub(super) const LARGE: f64 = 0.02;
 
 /// What zeros mean on the virtual clock.
 pub(super) const VIRTUAL: &str = "The run was on the virtual clock: computing, transport and the wait for the plant step take no time there, by construction.";
+
+/// Links of which a position was used.
+pub(super) fn used(answer: &Answer) -> impl Iterator<Item = &Hop> {
+    answer.hops.iter().filter(|hop| hop.end_to_end.is_some())
+}
 
 /// The link with the median latency.
 pub(super) fn median_hop(answer: &Answer) -> Option<&Hop> {
