@@ -1,23 +1,9 @@
 //! Whether causes that explain some of the numbers predict the others.
 
-use serde::{Deserialize, Serialize};
-
+use super::explanation::HeldOut;
 use super::fit::Problem;
-use super::numbers::{Place, places};
-use super::{root_mean_square, words};
-
-/// An experiment or a robot that was left out: the causes were chosen and fitted without its numbers, and predict them.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct HeldOut {
-    /// `without_limit`, `with_limit`, or the robot.
-    pub left_out: String,
-    /// The causes that the other numbers show, in words.
-    pub causes: Vec<String>,
-    /// Root mean square of what is left of the numbers held out without any cause (m).
-    pub before_m: f64,
-    /// The same with those causes (m).
-    pub after_m: f64,
-}
+use super::numbers::{Place, places, root_mean_square};
+use super::words;
 
 /// Each experiment and each robot left out in turn.
 pub(super) fn held_out(problem: &Problem<'_>) -> Vec<HeldOut> {

@@ -5,6 +5,7 @@
 //! leaving out an experiment or a robot, and simulated together at the end.
 
 mod candidate;
+mod explanation;
 mod fit;
 mod held_out;
 mod numbers;
@@ -12,91 +13,17 @@ mod refined;
 mod simulated;
 mod words;
 
-use serde::{Deserialize, Serialize};
-
 use self::candidate::{Candidate, Scope};
+pub use self::explanation::{Cause, Explanation, FinalPosition, HeldOut};
 use self::fit::{Chosen, Problem, TAPE_M};
-pub use self::held_out::HeldOut;
 use self::held_out::held_out;
-use self::numbers::{COUNT, Numbers, Place, places, printed};
+use self::numbers::{COUNT, Numbers, places, printed, root_mean_square};
 use self::refined::Refined;
 use self::simulated::{Response, Simulation};
 use crate::StudyError;
 
 /// How much more than the best a rival may leave: the 95 % point of χ² with one degree of freedom.
 const RIVAL_SLACK: f64 = 3.84;
-
-/// What explains the final positions that the paper prints.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Explanation {
-    /// The answer in one sentence.
-    pub sentence: String,
-    /// What the causes do not explain, in words; empty if they explain all.
-    pub remains: String,
-    /// Accuracy of the tape and of printing (m).
-    pub tape_m: f64,
-    /// The causes, the most important first.
-    pub causes: Vec<Cause>,
-    /// What the paper prints, before and after.
-    pub numbers: Vec<FinalPosition>,
-    /// Root mean square of what is left of all numbers without any cause (m).
-    pub before_m: f64,
-    /// The same with all causes (m).
-    pub after_m: f64,
-    /// The same without an experiment or a robot at a time.
-    pub held_out: Vec<HeldOut>,
-}
-
-/// A cause.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Cause {
-    /// Its name.
-    pub cause: String,
-    /// The robot; null: all.
-    pub robot: Option<String>,
-    /// `without_limit` or `with_limit`; null: both.
-    pub experiment: Option<String>,
-    /// In one sentence.
-    pub sentence: String,
-    /// Its size.
-    pub estimate: f64,
-    /// 95 % interval of the size.
-    pub ci95: [f64; 2],
-    /// Unit of the size.
-    pub unit: String,
-    /// Root mean square of what is left of all numbers if it alone is left out and the others are fitted anew (m).
-    pub without_it_m: f64,
-    /// Other causes that explain as much in its place, in words.
-    pub rivals: Vec<String>,
-    /// What it changes of each of `numbers` by itself (m).
-    pub changes_m: Vec<f64>,
-}
-
-/// A final coordinate that the paper prints.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct FinalPosition {
-    /// `without_limit` or `with_limit`.
-    pub experiment: String,
-    /// The robot.
-    pub robot: String,
-    /// `encoder` or `tape`.
-    pub by: String,
-    /// `x` or `y`.
-    pub axis: String,
-    /// What the paper prints (m).
-    pub printed_m: f64,
-    /// What is simulated as assumed (m).
-    pub before_m: f64,
-    /// What is simulated with all causes (m).
-    pub after_m: f64,
-}
-
-impl FinalPosition {
-    /// Whether a number agrees with the printed one to within the tape.
-    pub fn is_within(&self, number_m: f64) -> bool {
-        (number_m - self.printed_m).abs() <= TAPE_M
-    }
-}
 
 /// Explains the printed final positions.
 ///
@@ -157,22 +84,6 @@ fn told_apart(responses: &[Response], mut chosen: Chosen) -> Chosen {
         }
     }
     chosen
-}
-
-/// Root mean square of what is left of some numbers (m).
-fn root_mean_square(
-    numbers: &Numbers,
-    printed: &Numbers,
-    is_meant: impl Fn(&Place) -> bool,
-) -> f64 {
-    let pairs = numbers.iter().zip(printed).zip(places());
-    let own = pairs
-        .filter(|(_, place)| is_meant(place))
-        .map(|((a, b), _)| (a - b).powi(2));
-    let (sum, count) = own.fold((0.0, 0.0), |(sum, count), square| {
-        (sum + square, count + 1.0)
-    });
-    f64::sqrt(sum / f64::max(count, 1.0))
 }
 
 fn final_positions(before: &Numbers, after: &Numbers, printed: &Numbers) -> Vec<FinalPosition> {

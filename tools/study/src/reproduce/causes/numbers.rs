@@ -43,3 +43,19 @@ pub(super) fn printed() -> Numbers {
         ends[own.robot][own.axis]
     })
 }
+
+/// Root mean square of what is left of some numbers (m).
+pub(super) fn root_mean_square(
+    numbers: &Numbers,
+    printed: &Numbers,
+    is_meant: impl Fn(&Place) -> bool,
+) -> f64 {
+    let pairs = numbers.iter().zip(printed).zip(places());
+    let own = pairs
+        .filter(|(_, place)| is_meant(place))
+        .map(|((a, b), _)| (a - b).powi(2));
+    let (sum, count) = own.fold((0.0, 0.0), |(sum, count), square| {
+        (sum + square, count + 1.0)
+    });
+    f64::sqrt(sum / f64::max(count, 1.0))
+}

@@ -1,7 +1,7 @@
 //! Causes in words.
 
 use super::candidate::{Candidate, Kind, Scope};
-use super::{Cause, FinalPosition};
+use super::explanation::{Cause, FinalPosition};
 
 /// Names of the experiments.
 pub(super) const EXPERIMENTS: [&str; 2] = ["without_limit", "with_limit"];
