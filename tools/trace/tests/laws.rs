@@ -4,7 +4,7 @@ mod chance;
 
 use chance::Chance;
 use slipstream_bus::record::Fate;
-use slipstream_trace::{Answer, Clock, Log, Loop, Step, against, answer};
+use slipstream_trace::{Answer, Clock, Log, Loop, Step, Topic, against, answer};
 
 /// Adds message `seq` from r1 to r2 with stages of random length; some chains end early.
 fn one_message(log: &mut Log, seq: u32, chance: &mut Chance) {
@@ -291,4 +291,53 @@ fn an_answer_is_read_back_from_its_json() {
         assert_eq!(again, answer);
         assert_eq!(serde_json::to_string(&again).unwrap(), text);
     }
+}
+
+/// What robots tell is as old as it arrives after its stamp; a command takes from the end of its tick to its topic. A
+/// simulated run has no topics.
+#[test]
+fn topics_of_real_robots_have_their_delays() {
+    let tick = |k: i64| {
+        let due_ns = k * 20_000_000;
+        [
+            Step::Inner {
+                robot: 0,
+                due_ns,
+                began_ns: due_ns + 1000,
+                done_ns: due_ns + 5000,
+                outer_ns: due_ns,
+            },
+            Step::Applied {
+                robot: 0,
+                tick_ns: due_ns,
+                taken_ns: due_ns + 305_000,
+            },
+        ]
+    };
+    let heard = |k: i64| Step::Heard {
+        robot: 0,
+        of: Topic::Wheels,
+        measured_ns: k * 20_000_000,
+        arrived_ns: k * 20_000_000 + (k % 4) * 1_000_000,
+    };
+    let names = ["r1".to_owned()];
+    let simulated = Log::new((0..100).flat_map(tick));
+    assert_eq!(answer(&simulated, &names).topics, []);
+    let real = Log::new((0..100).flat_map(tick).chain((0..100).map(heard)));
+    let topics = answer(&real, &names).topics;
+    let told: Vec<(&str, u64, f64, f64)> = topics
+        .iter()
+        .map(|own| {
+            (
+                own.topic.as_ref(),
+                own.messages,
+                own.figures.p50_s,
+                own.figures.max_s,
+            )
+        })
+        .collect();
+    assert_eq!(
+        told,
+        [("wheels", 100, 1e-3, 3e-3), ("command", 100, 3e-4, 3e-4)]
+    );
 }

@@ -32,6 +32,20 @@ fn a_weak_drive_of_a_robot_that_takes_torques_is_named() {
             assert!(seen["largest"][side].as_f64().unwrap() <= TORQUE_NM);
         }
     }
+    lab.succeeds(&["trace", "real.mcap", "--json", "trace.json"]);
+    let topics = read_json(&lab.file("trace.json"))["topics"].clone();
+    for (place, topic) in ["wheels", "pose", "odometry", "imu", "command"]
+        .iter()
+        .enumerate()
+    {
+        let own = &topics[place];
+        assert_eq!(
+            (&own["robot"], &own["topic"]),
+            (&"r1".into(), &(*topic).into()),
+            "{topics}"
+        );
+        assert!(own["messages"].as_u64().unwrap() > 100, "{own}");
+    }
     lab.succeeds(&["diagnose", "real.mcap", "--json", "found.json"]);
     let found = read_json(&lab.file("found.json"));
     let findings = found["findings"].as_array().unwrap();
