@@ -62,7 +62,7 @@ fn profile_card(
     let own = parameter.and_then(|own| shown(&finding.effect, own, model));
     let mut claim = name(&finding.effect).to_owned();
     if let Some(own) = &own {
-        claim = format!("{claim}, {}: best at {}", own.label, own.is_words());
+        claim = format!("{claim}, {}: {}", own.label, own.is_words());
     }
     let drawn = "Standard deviations from the best fit, against the assumed size";
     let (frame, words) = profile_frame(&points, own.as_ref(), unit, &format!("{drawn}: {claim}"));

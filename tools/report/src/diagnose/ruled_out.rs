@@ -58,7 +58,7 @@ pub(super) fn section(diagnosis: &Diagnosis<'_>, machines: &[&Figures]) -> Marku
         section id="ruled-out" aria-labelledby="h-ruled-out" {
             h2 id="h-ruled-out" { "Ruled out, down to which size" }
             p class="sub" { "Beside the findings, " (what) " of this size would differ from nothing by 4.5 standard deviations. "
-                "The dot is the error 5 s ahead that it could still cause: what is left of the dashed line cannot be the error that is left."
+                "The dot is the error 5 s ahead that it could still cause; the dashed line is the error that is left."
                 @if !others.is_empty() { " Of " (first.robot) "." } }
             (of_machine(diagnosis, first))
             @for own in others {
@@ -79,7 +79,7 @@ fn of_machine(diagnosis: &Diagnosis<'_>, own: &Figures) -> Markup {
     let (small, large): (Vec<&Limit>, Vec<&Limit>) = known.partition(|limit| {
         left.is_none_or(|left| limit.error[axis.part].is_some_and(|error| error < left))
     });
-    let mark = left.map(|left| (axis.factor * left, "left"));
+    let mark = left.map(|left| (axis.factor * left, "error left"));
     let rows = |limits: &[&Limit]| {
         let rows = limits.iter().map(|limit| row(limit, axis, model.as_ref()));
         table(axis, mark, &rows.collect::<Vec<_>>())
