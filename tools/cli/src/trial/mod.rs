@@ -128,17 +128,8 @@ impl Output {
             )?;
         }
         text::print_report(report);
-        Ok(ended(report.interrupted))
+        Ok(text::ended(report.interrupted))
     }
-}
-
-/// How a trial ends; an interrupted one says so last.
-fn ended(interrupted: bool) -> Exit {
-    if !interrupted {
-        return Exit::Done;
-    }
-    print_line!("\nInterrupted: the remaining cases are missing.");
-    Exit::Interrupted
 }
 
 /// A trial of existing recordings with labels.

@@ -7,7 +7,6 @@ use slipstream_trial::diagnosis_process::{DiagnosisInput, DiagnosisProgram};
 use slipstream_trial::own::{OwnReport, make, score};
 use slipstream_trial::protocol::until_interrupted;
 
-use super::ended;
 use super::temporary_folder::temporary_folder;
 use super::text;
 use crate::command_line::command_line;
@@ -85,7 +84,7 @@ pub(super) fn run(asked: &Asked<'_>) -> Result<Exit, Error> {
         )?;
     }
     print(&report);
-    Ok(ended(interrupted))
+    Ok(text::ended(interrupted))
 }
 
 fn print(report: &OwnReport) {

@@ -14,7 +14,7 @@ use slipstream_trial::own::{alone, changed_since, half, span_s};
 
 use self::kinds::{Kind, MULTIPLES};
 use self::scored::{Case, Scores};
-use super::ended;
+use super::text::ended;
 use crate::exit::{Error, Exit};
 use crate::interrupt::Stop;
 use crate::models::Models;
