@@ -64,7 +64,8 @@ battery:
     cargo build --release -p slipstream
     target/release/slipstream trial --plan battery --json target/battery.json --report target/battery.html
 
-# Long form of the test that no verdict contradicts its numbers: all recordings beside the repository, as a table.
+# Long form of the test that no verdict contradicts its numbers and no number breaks an invariant: all recordings beside the
+# repository, as a table.
 honest:
     SLIPSTREAM_LONG=1 cargo test --release -p slipstream-tests --test honest -- --nocapture
 

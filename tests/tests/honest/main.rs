@@ -1,18 +1,22 @@
-//! No verdict contradicts its numbers: over the recordings of this repository, and over others where they are.
+//! No verdict contradicts its numbers, and every number keeps its invariants: over simulated robots, over the
+//! recordings of this repository, and over others where they are.
 //!
 //! `SLIPSTREAM_LONG=1` diagnoses all of them and prints a table; the short form takes those of the repository and the
 //! small ones beside it.
 
 mod contradictions;
 mod inputs;
+mod invariants;
 
 use std::path::{Path, PathBuf};
 
-use slipstream_answer::Answer;
-use slipstream_diagnose::{Request, diagnose};
+use slipstream_bus::RobotModel;
+use slipstream_diagnose::{Illustrated, Request, diagnose_with_figures};
+use slipstream_recording::Recording;
 
 use contradictions::{contradictions, worse};
 use inputs::{Input, inputs};
+use invariants::broken;
 
 /// Folders beside the repository, and whether the short form looks into them.
 const BESIDE: [(&str, bool); 2] = [("../shared/field", true), ("../shared/recordings", false)];
@@ -40,12 +44,16 @@ fn all_inputs() -> Vec<Input> {
     all
 }
 
-/// The answer; the message of a recording that cannot be diagnosed.
-fn answer(input: &Input) -> Result<Answer, String> {
+/// The answer with its figures; the message of a recording that cannot be diagnosed.
+fn answer(input: &Input) -> Result<Illustrated, String> {
     let (recording, model) = input.read()?;
     if recording.robots.is_empty() {
         return Err("no robot".to_owned());
     }
+    diagnosed(recording, &model)
+}
+
+fn diagnosed(recording: Recording, model: &RobotModel) -> Result<Illustrated, String> {
     let request = Request {
         recordings: &[recording],
         against: &[],
@@ -54,8 +62,36 @@ fn answer(input: &Input) -> Result<Answer, String> {
         excluded_s: &[],
         progress: &|_| (),
     };
-    let (answer, _) = diagnose(&request).map_err(|error| error.to_string())?;
-    Ok(answer)
+    diagnose_with_figures(&request).map_err(|error| error.to_string())
+}
+
+/// What the answer contradicts, and what it breaks.
+fn faults((answer, _, figures): &Illustrated) -> Vec<String> {
+    let mut all = contradictions(answer);
+    all.extend(broken(answer, figures));
+    all
+}
+
+/// Robots with masses, of which every truth is known: nothing lacks, and one effect of each kind of parameter.
+#[test]
+fn answers_about_simulated_robots_keep_every_invariant() {
+    let nominal = RobotModel::default();
+    for (effect, parameter, size) in [
+        ("nothing", "", 0.0),
+        ("rolling_resistance", "coefficient", 0.008),
+        ("actuator_delay", "delay_s", 0.03),
+        ("pose_latency", "latency_s", 0.05),
+        ("track_width", "scale", 1.05),
+    ] {
+        let truth = match effect {
+            "nothing" => nominal.clone(),
+            _ => nominal.clone().with(effect, &[(parameter, size)]),
+        };
+        let recording = slipstream_testkit::record(&truth, slipstream_testkit::gentle, 12.0, 3);
+        let answer = diagnosed(recording, &nominal);
+        let faults = answer.map_or_else(|message| vec![message], |own| faults(&own));
+        assert!(faults.is_empty(), "{effect}: {}", faults.join("\n"));
+    }
 }
 
 #[test]
@@ -64,8 +100,10 @@ fn no_verdict_contradicts_its_numbers() {
     for input in all_inputs() {
         match answer(&input) {
             Err(message) => println!("{:36} no answer: {message}", input.name),
-            Ok(answer) => {
-                let (own, worse) = (contradictions(&answer), worse(&answer));
+            Ok(illustrated) => {
+                let own = faults(&illustrated);
+                let answer = illustrated.0;
+                let worse = worse(&answer);
                 let verdict = format!("{:?}", answer.verdict).to_lowercase();
                 let held_out = &answer.held_out;
                 println!(

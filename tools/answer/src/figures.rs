@@ -92,17 +92,36 @@ pub struct Paths {
     pub after: Vec<Point>,
 }
 
-/// Error of predictions over 5 s against the assumed size of one parameter, everything else as found.
+/// How much worse the recordings fit against the assumed size of one parameter, everything else as found, by what the
+/// fit made smallest: its lowest point lies at the estimate.
 #[derive(Debug, Clone)]
 pub struct Profile {
     /// Number of the finding in the answer.
     pub finding: usize,
     /// Name of the parameter.
     pub parameter: &'static str,
-    /// `m` or `rad`: what the error is of.
-    pub unit: &'static str,
-    /// Parameter and root mean square error.
+    /// Parameter, and standard deviations from the best fit: √(2 (ln L_best − ln L)).
     pub points: Vec<Point>,
+}
+
+impl Profile {
+    /// The curve through sizes and their log-likelihoods (nats); none where no size has one.
+    pub fn new(
+        finding: usize,
+        parameter: &'static str,
+        likelihoods: impl IntoIterator<Item = Point>,
+    ) -> Option<Self> {
+        let likelihoods = likelihoods.into_iter();
+        let known: Vec<Point> = likelihoods.filter(|(_, own)| own.is_finite()).collect();
+        let best = known.iter().map(|own| own.1).reduce(f64::max)?;
+        let points = known.into_iter();
+        let points = points.map(|(size, own)| (size, (2.0 * (best - own)).sqrt()));
+        Some(Self {
+            finding,
+            parameter,
+            points: points.collect(),
+        })
+    }
 }
 
 /// A law that no effect of the catalogue is: a function of one variable with its 95 % band.

@@ -42,6 +42,38 @@ pub(crate) fn stop_flag(grace: Option<Duration>) -> Result<Arc<AtomicBool>, Erro
     Ok(stop)
 }
 
+/// What an interruption finds of a command that computes for long.
+pub(crate) struct Stop {
+    /// Set by the first signal.
+    pub(crate) asked: Arc<AtomicBool>,
+    keeps: Arc<AtomicBool>,
+}
+
+impl Stop {
+    /// As [`stop_flag`], until there is something to keep.
+    pub(crate) fn new(grace: Duration) -> Result<Self, Error> {
+        let stop = Self {
+            asked: Arc::new(AtomicBool::new(false)),
+            keeps: Arc::new(AtomicBool::new(false)),
+        };
+        let [asked, keeps] = [&stop.asked, &stop.keeps].map(Arc::clone);
+        on_signal(move |mut signals| {
+            asked.store(true, Ordering::Relaxed);
+            std::thread::sleep(grace);
+            if keeps.load(Ordering::Relaxed) {
+                let _ = signals.forever().next();
+            }
+            end();
+        })?;
+        Ok(stop)
+    }
+
+    /// From now on there is something to keep: the command ends by itself when it is asked to, or at the second signal.
+    pub(crate) fn keep(&self) {
+        self.keeps.store(true, Ordering::Relaxed);
+    }
+}
+
 /// Calls `act` in a thread of its own after the first signal.
 fn on_signal(act: impl FnOnce(Signals) + Send + 'static) -> Result<(), Error> {
     let mut signals = Signals::new([SIGINT, SIGTERM]).map_err(|error| failed(&error))?;

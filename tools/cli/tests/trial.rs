@@ -6,7 +6,7 @@ mod common;
 use std::collections::BTreeMap;
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;
-use std::process::Command;
+use std::process::{Child, Command, Output};
 use std::time::Duration;
 
 use common::{command, read_json, slipstream};
@@ -206,19 +206,65 @@ fn answers_of_another_program_are_scored() {
     assert_eq!(isolated["outcome"], "exact", "{isolated}");
 }
 
-#[test]
-fn an_interrupted_diagnosis_leaves_no_scores() {
-    let folder = tempfile::tempdir().unwrap();
-    write_program(folder.path(), "exec sleep 60");
-    let mut child = command(folder.path(), &WITH).spawn().unwrap();
-    std::thread::sleep(Duration::from_millis(500));
+/// Interrupts a trial once `ready` holds, and waits for its end.
+fn interrupt_when(mut child: Child, ready: impl Fn() -> bool) -> Output {
+    while !ready() {
+        if child.try_wait().unwrap().is_some() {
+            panic!("{:?}", child.wait_with_output().unwrap());
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
     let interrupt = Command::new("kill")
         .args(["-INT", &child.id().to_string()])
         .status()
         .unwrap();
     assert!(interrupt.success());
-    assert_eq!(child.wait().unwrap().code(), Some(130));
+    child.wait_with_output().unwrap()
+}
+
+#[test]
+fn a_trial_interrupted_before_its_first_answer_leaves_no_scores() {
+    let folder = tempfile::tempdir().unwrap();
+    let begun = folder.path().join("begun");
+    write_program(
+        folder.path(),
+        &format!("touch '{}'; exec sleep 60", begun.display()),
+    );
+    let child = command(folder.path(), &WITH).spawn().unwrap();
+    let output = interrupt_when(child, || begun.exists());
+    assert_eq!(output.status.code(), Some(130));
     assert!(!folder.path().join("trial.json").exists());
+}
+
+/// What an interrupted trial has is printed and written, beside the results of an earlier, whole one.
+#[test]
+fn an_interrupted_trial_keeps_what_it_has() {
+    let folder = tempfile::tempdir().unwrap();
+    let begun = folder.path().join("begun");
+    // the third case does not end
+    let program = format!(
+        "echo >> '{0}'; [ $(wc -l < '{0}') -lt 3 ] || exec sleep 60; echo '{{\"verdict\": \"match\"}}' > \"$6\"",
+        begun.display()
+    );
+    write_seven(folder.path(), &program);
+    std::fs::write(folder.path().join("trial.html"), "whole").unwrap();
+    let arguments = [&WITH[..], &["--report", "trial.html", "--force"]].concat();
+    let child = command(folder.path(), &arguments).spawn().unwrap();
+    let is_third = || std::fs::read_to_string(&begun).is_ok_and(|text| text.lines().count() == 3);
+    let output = interrupt_when(child, is_third);
+    assert_eq!(output.status.code(), Some(130), "{output:?}");
+    let said = String::from_utf8(output.stdout).unwrap();
+    for words in ["2 cases", "Interrupted: the remaining cases are missing."] {
+        assert!(said.contains(words), "{said}");
+    }
+    let report = read_json(&folder.path().join("trial.json"));
+    assert_eq!(report["interrupted"], true);
+    assert_eq!(report["cases"], 2);
+    let page = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    assert_eq!(page("trial.html"), "whole");
+    assert!(page("trial.interrupted.html").contains("interrupted after 2 of 7"));
+    let merged = slipstream(folder.path(), &["trial", "merge", "trial.json"]);
+    assert_eq!(merged.status.code(), Some(2), "{merged:?}");
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use maud::{Markup, html};
 use slipstream_trial::grade::TrialGrade;
 use slipstream_trial::own::OwnReport;
+use slipstream_trial::part::TrialPart;
 use slipstream_trial::tally::{DetectionRate, NuisanceCounts, ScoredCase, TrialReport};
 
 use crate::parts::{
@@ -25,8 +26,8 @@ pub fn page(report: &TrialReport, command_line: &str) -> String {
         ),
     };
     let facts = format!(
-        "{} cases · {} without a concealed effect · {} commitments",
-        report.cases,
+        "{} · {} without a concealed effect · {} commitments",
+        count(report, "cases"),
         report.nulls,
         report.commitments.len()
     );
@@ -81,7 +82,7 @@ pub fn own_page(report: &OwnReport, command_line: &str) -> String {
         0 => (Tone::Good, Icon::Tick, "Nothing false".to_owned()),
         _ => (Tone::Bad, Icon::Half, format!("{bad} false")),
     };
-    let facts = format!("{} copies of {}", trial.cases, report.on);
+    let facts = format!("{} of {}", count(trial, "copies"), report.on);
     let lead = html! {
         "Known changes were put into copies of the recording, none into " (trial.nulls) " of them; each copy was diagnosed against the "
         "original." (durations(trial))
@@ -113,6 +114,16 @@ pub fn own_page(report: &OwnReport, command_line: &str) -> String {
         ..Page::default()
     };
     page.html()
+}
+
+/// How many cases there are, and of how many if it was interrupted.
+fn count(report: &TrialReport, what: &str) -> String {
+    let all = report.part.as_ref().map(TrialPart::count);
+    match (report.interrupted, all) {
+        (false, _) => format!("{} {what}", report.cases),
+        (true, Some(all)) => format!("interrupted after {} of {all} {what}", report.cases),
+        (true, None) => format!("interrupted after {} {what}", report.cases),
+    }
 }
 
 /// How long the diagnoses took; nothing if they ran elsewhere.

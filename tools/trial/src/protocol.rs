@@ -19,18 +19,18 @@ pub struct Question {
     pub without: Vec<String>,
 }
 
-/// Diagnoses every case in `folder` and calls `done` after each.
+/// Diagnoses every case in `folder` and calls `done` after each. An interruption ends it: the answers so far are
+/// returned.
 ///
 /// # Errors
-/// As [`DiagnosisProgram::diagnose`].
+/// As [`DiagnosisProgram::diagnose`], and an interruption before the first answer.
 pub fn diagnose_all(
     program: &DiagnosisProgram<'_>,
     folder: &Path,
     questions: &[Question],
     mut done: impl FnMut(&Question, &DiagnosisRun),
 ) -> Result<Vec<DiagnosisRun>, TrialError> {
-    let mut answers = Vec::new();
-    for question in questions {
+    until_interrupted(questions, |question| {
         let run = program.diagnose(&DiagnosisInput {
             recording: &folder.join(&question.name),
             against: None,
@@ -38,9 +38,27 @@ pub fn diagnose_all(
             without: &question.without,
         })?;
         done(question, &run);
-        answers.push(run);
+        Ok(run)
+    })
+}
+
+/// What `work` makes of each item, up to an interruption.
+///
+/// # Errors
+/// As `work`, and an interruption before anything was done.
+pub fn until_interrupted<T, R>(
+    items: &[T],
+    mut work: impl FnMut(&T) -> Result<R, TrialError>,
+) -> Result<Vec<R>, TrialError> {
+    let mut done = Vec::new();
+    for item in items {
+        match work(item) {
+            Ok(own) => done.push(own),
+            Err(TrialError::Interrupted) if !done.is_empty() => break,
+            Err(error) => return Err(error),
+        }
     }
-    Ok(answers)
+    Ok(done)
 }
 
 /// The questions of labelled recordings, with the effects `without` removed from every catalogue.

@@ -72,6 +72,9 @@ pub struct TrialReport {
     /// Which part of which trial this is; absent with `--on`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub part: Option<TrialPart>,
+    /// Whether it was interrupted: only the cases that were diagnosed before are there.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub interrupted: bool,
     /// Commitment of each case: SHA-256 of nonce and label.
     pub commitments: Vec<String>,
     /// All cases.
@@ -264,6 +267,7 @@ pub fn tally(
         seconds: median(seconds())
             .zip(seconds().reduce(f64::max))
             .map(Into::into),
+        interrupted: part.as_ref().is_some_and(|own| each.len() < own.count()),
         part,
         commitments,
         each,

@@ -9,7 +9,7 @@ mod text;
 mod watched;
 
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use slipstream_bus::{InputError, Shard};
@@ -29,8 +29,8 @@ use self::cases::Cases;
 use self::temporary_folder::temporary_folder;
 use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
-use crate::interrupt;
-use crate::output_file::{write, write_json};
+use crate::interrupt::Stop;
+use crate::output_file::{place, write, write_json};
 use crate::print::print_line;
 use crate::progress;
 use crate::shard_files;
@@ -52,7 +52,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         }
     }
     // The diagnoses that run are killed at once; a case that is being made is not waited for.
-    let stop = interrupt::stop_flag(Some(Duration::from_millis(500)))?;
+    let stop = Stop::new(Duration::from_millis(500))?;
     if let Some(recording) = arguments.on.as_ref().filter(|_| arguments.watch) {
         return watched::run(&watched::Asked {
             on: recording,
@@ -61,6 +61,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             against: &arguments.against,
             without: &arguments.without,
             json: arguments.output.json.as_deref(),
+            stop: &stop,
         });
     }
     if let Some(recording) = &arguments.on {
@@ -74,15 +75,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             program: DiagnosisProgram {
                 program: &program,
                 limit: Duration::from_secs(arguments.limit_s),
-                stop: &stop,
+                stop: &stop.asked,
             },
+            stop: &stop,
             json: arguments.output.json.as_deref(),
             report: arguments.output.report.as_deref(),
         });
     }
     let cases = Cases::of(arguments)?;
     if arguments.dry_run {
-        return dry_run::run(arguments, &cases, &stop);
+        return dry_run::run(arguments, &cases, &stop.asked);
     }
     let shard = match &arguments.shard {
         None => Shard::WHOLE,
@@ -98,7 +100,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         .json
         .as_deref()
         .filter(|_| arguments.resume);
-    let is_it = |own: &TrialReport| own.part.as_ref() == Some(&part);
+    let is_it = |own: &TrialReport| own.part.as_ref() == Some(&part) && !own.interrupted;
     if let Some(report) = shard_files::kept(file, is_it) {
         return arguments.output.write(&report);
     }
@@ -117,16 +119,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
 impl Output {
     fn write(&self, report: &TrialReport) -> Result<Exit, Error> {
         if let Some(file) = &self.json {
-            write_json(file, report)?;
+            write_json(&place(file, report.interrupted), report)?;
         }
         if let Some(file) = &self.report {
             write(
-                file,
+                &place(file, report.interrupted),
                 &slipstream_report::trial::page(report, &command_line()),
             )?;
         }
         text::print_report(report);
-        Ok(Exit::Done)
+        Ok(text::ended(report.interrupted))
     }
 }
 
@@ -136,7 +138,7 @@ fn score_existing(
     folder: &Path,
     labels: &Labels,
     part: TrialPart,
-    stop: &AtomicBool,
+    stop: &Stop,
 ) -> Result<TrialReport, Error> {
     let questions = questions(labels, &arguments.without);
     let answers = diagnose_cases(arguments, folder, &questions, stop)?;
@@ -149,7 +151,7 @@ fn score_new(
     arguments: &Arguments,
     planned: &[PlannedCase],
     part: TrialPart,
-    stop: &AtomicBool,
+    stop: &Stop,
 ) -> Result<Option<TrialReport>, Error> {
     let temporary = temporary_folder()?;
     let folder = arguments
@@ -159,7 +161,7 @@ fn score_new(
     let bar = progress::bar(planned.len(), "made");
     let trial = SealedTrial::make(planned, &folder, || {
         bar.inc(1);
-        if stop.load(Ordering::Relaxed) {
+        if stop.asked.load(Ordering::Relaxed) {
             Err(TrialError::Interrupted)
         } else {
             Ok(())
@@ -186,19 +188,20 @@ fn score_new(
     )))
 }
 
-/// Diagnoses every case and returns the answers in order.
+/// Diagnoses every case, up to an interruption, and returns the answers in order.
 fn diagnose_cases(
     arguments: &Arguments,
     folder: &Path,
     questions: &[Question],
-    stop: &AtomicBool,
+    stop: &Stop,
 ) -> Result<Vec<DiagnosisRun>, Error> {
     let program = arguments.program()?;
     let program = DiagnosisProgram {
         program: &program,
         limit: Duration::from_secs(arguments.limit_s),
-        stop,
+        stop: &stop.asked,
     };
+    stop.keep();
     let bar = progress::bar(questions.len(), "diagnosed");
     let answers = diagnose_all(&program, folder, questions, |question, run| {
         bar.suspend(|| text::print_answer(question, run));

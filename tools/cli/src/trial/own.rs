@@ -5,13 +5,15 @@ use std::path::Path;
 use slipstream_bus::InputError;
 use slipstream_trial::diagnosis_process::{DiagnosisInput, DiagnosisProgram};
 use slipstream_trial::own::{OwnReport, make, score};
+use slipstream_trial::protocol::until_interrupted;
 
 use super::temporary_folder::temporary_folder;
 use super::text;
 use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
+use crate::interrupt::Stop;
 use crate::models::Models;
-use crate::output_file::{write, write_json};
+use crate::output_file::{place, write, write_json};
 use crate::print::print_line;
 use crate::progress;
 use crate::reading::Reading;
@@ -30,6 +32,7 @@ pub(super) struct Asked<'a> {
     pub(super) without: &'a [String],
     /// The program that diagnoses.
     pub(super) program: DiagnosisProgram<'a>,
+    pub(super) stop: &'a Stop,
     /// Where the scores go, and a page with them.
     pub(super) json: Option<&'a Path>,
     pub(super) report: Option<&'a Path>,
@@ -57,29 +60,31 @@ pub(super) fn run(asked: &Asked<'_>) -> Result<Exit, Error> {
     };
     let trial = make(&recording, &model, folder)?;
     let bar = progress::bar(trial.cases.len(), "diagnosed");
-    let mut answers = Vec::new();
-    for case in &trial.cases {
-        answers.push(asked.program.diagnose(&DiagnosisInput {
+    asked.stop.keep();
+    let answers = until_interrupted(&trial.cases, |case| {
+        let run = asked.program.diagnose(&DiagnosisInput {
             recording: &case.folders[0],
             against: Some(&case.folders[1]),
             model: &trial.model,
             without: asked.without,
-        })?);
+        })?;
         bar.inc(1);
-    }
+        Ok(run)
+    })?;
     bar.finish_and_clear();
     let report = score(&recording.name, &trial.cases, answers);
+    let interrupted = report.trial.interrupted;
     if let Some(file) = asked.json {
-        write_json(file, &report)?;
+        write_json(&place(file, interrupted), &report)?;
     }
     if let Some(file) = asked.report {
         write(
-            file,
+            &place(file, interrupted),
             &slipstream_report::trial::own_page(&report, &command_line()),
         )?;
     }
     print(&report);
-    Ok(Exit::Done)
+    Ok(text::ended(interrupted))
 }
 
 fn print(report: &OwnReport) {

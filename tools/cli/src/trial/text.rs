@@ -1,10 +1,20 @@
 //! Results of a trial on the terminal.
 
+use crate::exit::Exit;
 use crate::print::print_line;
 use slipstream_trial::diagnosis_process::DiagnosisRun;
 use slipstream_trial::grade::TrialGrade;
 use slipstream_trial::protocol::Question;
 use slipstream_trial::tally::{NuisanceCounts, ScoredCase, TrialReport};
+
+/// How a trial ends; an interrupted one says so last.
+pub(super) fn ended(interrupted: bool) -> Exit {
+    if !interrupted {
+        return Exit::Done;
+    }
+    print_line!("\nInterrupted: the remaining cases are missing.");
+    Exit::Interrupted
+}
 
 /// Prints one answer, before its label is opened.
 pub(super) fn print_answer(question: &Question, run: &DiagnosisRun) {

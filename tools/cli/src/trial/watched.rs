@@ -5,6 +5,7 @@ mod scored;
 mod text;
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
 
 use slipstream_bus::{InputError, RobotModel};
 use slipstream_diagnose::{Event, Request, Smallest, Watch};
@@ -13,9 +14,11 @@ use slipstream_trial::own::{alone, changed_since, half, span_s};
 
 use self::kinds::{Kind, MULTIPLES};
 use self::scored::{Case, Scores};
+use super::text::ended;
 use crate::exit::{Error, Exit};
+use crate::interrupt::Stop;
 use crate::models::Models;
-use crate::output_file::write_json;
+use crate::output_file::{self, write_json};
 use crate::progress;
 use crate::reading::Reading;
 
@@ -35,6 +38,7 @@ pub(super) struct Asked<'a> {
     /// Effects that are not tried.
     pub(super) without: &'a [String],
     pub(super) json: Option<&'a Path>,
+    pub(super) stop: &'a Stop,
 }
 
 /// Runs the command.
@@ -80,9 +84,14 @@ pub(super) fn run(asked: &Asked<'_>) -> Result<Exit, Error> {
     let mut kinds = kinds::all(&heard, &model);
     kinds.retain(|own| limits.last(own).is_some());
     let bar = progress::bar(kinds.len() * MULTIPLES.len(), "watched");
-    for (number, kind) in kinds.iter().enumerate() {
+    asked.stop.keep();
+    'cases: for (number, kind) in kinds.iter().enumerate() {
         for (place, multiple) in MULTIPLES.into_iter().enumerate() {
             bar.inc(1);
+            scores.interrupted = asked.stop.asked.load(Ordering::Relaxed);
+            if scores.interrupted {
+                break 'cases;
+            }
             let Some(smallest) = limits.last(kind) else {
                 continue;
             };
@@ -103,10 +112,10 @@ pub(super) fn run(asked: &Asked<'_>) -> Result<Exit, Error> {
     }
     bar.finish_and_clear();
     if let Some(file) = asked.json {
-        write_json(file, &scores)?;
+        write_json(&output_file::place(file, scores.interrupted), &scores)?;
     }
     text::print(&scores);
-    Ok(Exit::Done)
+    Ok(ended(scores.interrupted))
 }
 
 /// The baseline and what is heard: other recordings and the whole; of several runs all but the last and that one; or else

@@ -1,15 +1,16 @@
 //! What the figures of a report show of a machine that is told speeds or nothing.
 
 use super::claim::{Claim, Value};
-use super::errors::Errors;
 use super::figures::{OfRun, curve};
+use super::fitted::Fitted;
 use super::limits::limits;
-use super::prediction::some_windows;
 use super::scene::Scene;
-use crate::answer::{ErrorLine, Figures, LawCurve, Motion, Paths, Point, Profile};
+use super::search::problem;
+use crate::answer::{ErrorLine, Figures, LawCurve, Motion, Paths, Profile};
 use crate::data::wheel_path::Turned;
-use crate::judge::{HEADING, PLACE, POSE};
+use crate::judge::POSE;
 use crate::model::from_wheels::drive_parameters;
+use crate::model::streams::{Joint, ROBUST};
 use crate::predict::drawn::Drawn;
 
 /// Places of a line of motion, and the time over which a speed is averaged (s).
@@ -17,9 +18,8 @@ const PLACES: f64 = 3000.0;
 const AVERAGED_S: f64 = 0.2;
 /// The same in intervals of the wheels.
 const AVERAGED_ROWS: f64 = 6.0;
-/// Sizes of a profile, and windows at most by which it is predicted.
+/// Sizes of a profile from nothing to what was found.
 const SIZES: i32 = 20;
-const WINDOWS: usize = 20;
 
 /// The figures of one machine.
 pub(crate) fn figures(scene: &Scene<'_>) -> Figures {
@@ -115,7 +115,7 @@ impl Scene<'_> {
         self.of_run(run, &before, &after).path(span_s, by_wheels)
     }
 
-    /// Error against the size of a claim, along the line from nothing to what was found.
+    /// How the fit falls with the size of a claim, along the line from nothing to what was found.
     fn profile(&self, finding: usize, claim: &Claim) -> Option<Profile> {
         let sharp = |value: &Value| value.change.abs() / value.half[0].max(1e-300);
         let main = claim
@@ -123,62 +123,19 @@ impl Scene<'_> {
             .iter()
             .max_by(|a, b| sharp(a).total_cmp(&sharp(b)))?;
         let nominal = (self.nominal_of)(claim, main.name);
-        let at = |share: f64| {
-            let mut at = self.at.clone();
-            claim.toggles.iter().for_each(|index| at[*index] *= share);
-            self.own.machine_at(&at)
-        };
+        let Fitted { streams, found } = self.own;
+        let fit = &found.selected.fit;
+        let joint = Joint::new(streams, &found.nominal, &found.table.weights, ROBUST);
+        let problem = problem(&joint, &found.table);
         let all = (-SIZES / 4..=SIZES + SIZES / 2).map(|k| f64::from(k) / f64::from(SIZES));
-        let worth: Vec<(f64, Errors)> = all.map(|share| (share, self.sum(&at(share)))).collect();
-        let unit = most_lost(&worth)?;
-        let points: Vec<Point> = worth
-            .iter()
-            .filter_map(|(share, errors)| {
-                let size = main.applied(nominal, share * main.change);
-                Some((size, root_mean(errors, unit)?))
-            })
-            .collect();
-        (!points.is_empty()).then_some(Profile {
-            finding,
-            parameter: main.name,
-            unit,
-            points,
-        })
-    }
-
-    /// Errors of some windows of all runs.
-    fn sum(&self, at: &[f64]) -> Errors {
-        let each = self.predictors.iter().enumerate().map(|(run, predictor)| {
-            let windows = some_windows(predictor, WINDOWS.div_ceil(self.predictors.len()));
-            predictor.errors(run, at, &windows)
+        let likelihoods = all.map(|share| {
+            let mut at = fit.at.clone();
+            claim.toggles.iter().for_each(|index| at[*index] *= share);
+            let size = main.applied(nominal, share * main.change);
+            (size, problem.objective(&at, &fit.free))
         });
-        each.fold(Errors::default(), Errors::and)
+        Profile::new(finding, main.name, likelihoods)
     }
-}
-
-/// The kind of error that falls most from nothing to what was found, of errors by share of it.
-fn most_lost(worth: &[(f64, Errors)]) -> Option<&'static str> {
-    let at_share = |share: f64, unit: &str| {
-        let near = worth.iter().find(|(s, _)| (s - share).abs() < 1e-9);
-        near.and_then(|(_, errors)| root_mean(errors, unit))
-    };
-    let lost = |unit: &str| {
-        let pair = at_share(0.0, unit).zip(at_share(1.0, unit));
-        pair.map_or(0.0, |(before, after)| before / after.max(1e-12))
-    };
-    let kinds = ["m", "rad", "wheel"].into_iter();
-    kinds.max_by(|a, b| lost(a).total_cmp(&lost(b)))
-}
-
-/// Root mean square error of place (m), heading (rad), or wheels.
-fn root_mean(errors: &Errors, unit: &str) -> Option<f64> {
-    let square = |quantity: usize| errors.score.mean_square(quantity);
-    let mean = match unit {
-        "m" => square(PLACE),
-        "rad" => square(HEADING),
-        _ => square(0).zip(square(1)).map(|(a, b)| f64::midpoint(a, b)),
-    };
-    mean.map(f64::sqrt)
 }
 
 fn law(finding: usize, claim: &Claim) -> Option<LawCurve> {

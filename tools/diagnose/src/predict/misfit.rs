@@ -30,20 +30,6 @@ impl Misfit {
         misfit
     }
 
-    /// Both together.
-    pub(crate) fn and(&self, other: &Self) -> Self {
-        let sum = |a: &[f64; CHANNELS], b: &[f64; CHANNELS]| std::array::from_fn(|c| a[c] + b[c]);
-        Self {
-            squares: sum(&self.squares, &other.squares),
-            counts: sum(&self.counts, &other.counts),
-        }
-    }
-
-    /// Whether anything was measured in a channel.
-    pub(crate) fn has(&self, channel: usize) -> bool {
-        self.counts[channel] > 0.0
-    }
-
     /// Mean square of a channel, in square deviations.
     pub(crate) fn mean_square(&self, channel: usize) -> f64 {
         self.squares[channel] / self.counts[channel].max(1.0)
@@ -84,9 +70,8 @@ mod tests {
 
     #[test]
     fn means_are_of_what_was_measured() {
-        let both = of(1.0).and(&of(3.0));
-        assert!((both.mean_square(2) - 5.0).abs() < 1e-12);
-        assert!(!both.has(3));
+        assert!((of(3.0).mean_square(2) - 9.0).abs() < 1e-12);
+        assert_eq!(of(3.0).mean_square(3), 0.0);
         let missing = Misfit::new(&fixture::window(vec![0; 3]), &[2.0, f64::NAN, 2.0]);
         assert!((missing.mean_square(0) - 4.0).abs() < 1e-12);
     }

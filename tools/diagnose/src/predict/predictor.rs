@@ -113,17 +113,6 @@ impl Predictor {
         })
     }
 
-    /// Misfit of the predictions of `windows` by the model with `hypotheses`, without what their starts
-    /// were fitted to.
-    pub(crate) fn misfit(&self, windows: &[Window], hypotheses: &[Hypothesis]) -> Misfit {
-        let parts = self.each(windows, hypotheses, |simulated, window| {
-            let judged = self.judged(simulated, window)?;
-            Some(Misfit::new(window, &judged.residuals))
-        });
-        let parts = parts.iter().flatten();
-        parts.fold(Misfit::default(), |sum, part| sum.and(part))
-    }
-
     /// What each of `windows` scores by the model with `hypotheses`.
     pub(crate) fn scores(&self, windows: &[Window], hypotheses: &[Hypothesis]) -> Vec<Score> {
         let all = self.each(windows, hypotheses, |simulated, window| {

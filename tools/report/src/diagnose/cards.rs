@@ -1,4 +1,4 @@
-//! One picture for each finding: error against its assumed size, or the law that was found.
+//! One picture for each finding: how the fit falls with its assumed size, or the law that was found.
 
 use maud::{Markup, html};
 use slipstream_answer::{Figures, Finding, LawCurve, Profile};
@@ -6,7 +6,7 @@ use slipstream_bus::RobotModel;
 
 use super::diagnosis::Diagnosis;
 use super::words::{Shown, driver, name, scale_of, shown, unit_of};
-use crate::parts::{Frame, Ink, Points, Scale, capital, card, short, shown_unit, with_unit};
+use crate::parts::{Frame, Ink, Points, Scale, card, short, with_unit};
 
 /// Height of a picture (pixels).
 const HEIGHT_PX: u32 = 200;
@@ -35,8 +35,8 @@ pub(super) fn section(diagnosis: &Diagnosis<'_>, machines: &[&Figures]) -> Marku
         @if !all.is_empty() {
             section id="why" aria-labelledby="h-why" {
                 h2 id="h-why" { @if all.len() == 1 { "Why this" } @else { "Why these" } }
-                p class="sub" { "How far predictions miss for each assumed size, everything else as found. The best size is "
-                    "where the curve is lowest; the shaded interval comes from the fit, not from this curve." }
+                p class="sub" { "How much worse the whole recording fits with each assumed size, everything else as found. The "
+                    "interval is shaded; it is wider than this curve tells, as it lets everything else move too." }
                 div class="cards" { @for (_, card) in &all { (card) } }
             }
         }
@@ -51,15 +51,9 @@ fn profile_card(
 ) -> Markup {
     let native = unit_of(&finding.effect, profile.parameter);
     let (factor, unit) = scale_of(&finding.effect, profile.parameter, native, model);
-    let (error_factor, error_unit) = shown_unit(profile.unit);
-    let what = match profile.unit {
-        "m" => "Position error",
-        "rad" => "Heading error",
-        _ => "Error of the wheels",
-    };
     let points = profile.points.iter();
     let points: Points = points
-        .map(|(size, error)| (factor * size, error_factor * error))
+        .map(|(size, worse)| (factor * size, *worse))
         .collect();
     let parameter = finding
         .parameters
@@ -68,47 +62,30 @@ fn profile_card(
     let own = parameter.and_then(|own| shown(&finding.effect, own, model));
     let mut claim = name(&finding.effect).to_owned();
     if let Some(own) = &own {
-        claim = format!("{claim}, {}: best at {}", own.label, own.is_words());
+        claim = format!("{claim}, {}: {}", own.label, own.is_words());
     }
-    let in_unit = if error_unit.is_empty() {
-        String::new()
-    } else {
-        format!(" ({error_unit})")
-    };
-    let (frame, words) = profile_frame(
-        &points,
-        own.as_ref(),
-        [unit, error_unit],
-        &format!("{what} against assumed size: {claim}"),
-    );
-    let drawn = format!("{what} 5 s ahead{in_unit}, against the assumed size");
-    card(
-        Some(number),
-        &claim,
-        &drawn,
-        &frame.markup(),
-        &capital(&words),
-    )
+    let drawn = "Standard deviations from the best fit, against the assumed size";
+    let (frame, words) = profile_frame(&points, own.as_ref(), unit, &format!("{drawn}: {claim}"));
+    card(Some(number), &claim, drawn, &frame.markup(), &words)
 }
 
 /// The curve with the model's value, the estimate and its interval; and what it says in words.
 fn profile_frame(
     points: &[(f64, f64)],
     own: Option<&Shown>,
-    [unit, error_unit]: [&str; 2],
+    unit: &str,
     described: &str,
 ) -> (Frame, String) {
     let x = Scale::around(points.iter().map(|p| p.0), false, 4);
     let y = Scale::around(points.iter().map(|p| p.1), true, 4);
     let nearest = |size: f64| {
-        let mut near = points.to_vec();
-        near.sort_by(|a, b| (a.0 - size).abs().total_cmp(&(b.0 - size).abs()));
-        near.first().copied()
+        let near = points.iter().copied();
+        near.min_by(|a, b| (a.0 - size).abs().total_cmp(&(b.0 - size).abs()))
     };
-    let mut frame = Frame::new(x, y, HEIGHT_PX, described)
-        .x_axis(unit)
-        .y_unit(error_unit)
-        .line(Ink::After, points, f64::INFINITY);
+    let mut frame =
+        Frame::new(x, y, HEIGHT_PX, described)
+            .x_axis(unit)
+            .line(Ink::After, points, f64::INFINITY);
     let mut words = String::new();
     let Some(own) = own else {
         return (frame, words);
@@ -124,13 +101,12 @@ fn profile_frame(
                 .dots(Ink::Before, &[was], 9.0)
                 .label(Ink::Before, [was.0, was.1], "the model");
         words = format!(
-            "{} with the model's value, ",
-            with_unit(&short(was.1), error_unit)
+            "With the model's value it fits worse by {} standard deviations.",
+            short(was.1)
         );
     }
     if let Some(is) = nearest(own.is) {
         frame = frame.dots(Ink::After, &[(own.is, is.1)], 9.0);
-        words += &format!("{} with this one.", with_unit(&short(is.1), error_unit));
     }
     (frame, words)
 }

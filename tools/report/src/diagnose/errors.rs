@@ -61,15 +61,12 @@ pub(super) fn reached(answer: &Answer) -> Option<String> {
     (!words.is_empty()).then(|| words.join(" and "))
 }
 
-/// What is unexplained where that counts, as root mean square in shown units: shares of a budget are of the mean
-/// square.
+/// What is unexplained where that counts, in shown units: that part of the budget.
 pub(super) fn unexplained(answer: &Answer) -> Vec<(f64, &'static str)> {
     let part = |own: &Budget| {
-        let own_part = own.parts.iter().find(|part| part.name == "unexplained");
-        let share = own_part
-            .map(|part| part.share)
-            .filter(|share| *share > 0.005 * own.before)?;
-        Some((share * own.after).sqrt())
+        let mut parts = own.parts.iter();
+        let share = parts.find(|part| part.name == "unexplained")?.share;
+        (share > 0.005 * own.before).then_some(share)
     };
     let known = UNITS.into_iter().filter_map(|unit| {
         let (factor, shown) = shown_unit(unit);

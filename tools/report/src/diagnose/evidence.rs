@@ -39,12 +39,27 @@ pub(super) fn section(diagnosis: &Diagnosis<'_>, machines: &[&Figures]) -> Marku
                 @if several { h3 { (own.robot) } }
                 (runs(diagnosis, own, place, columns))
             }
-            p class="key" {
-                span { i class="k3" {} "where the chosen finding is at work" }
-                span { i class="k4" {} "95 % of the sensor's own noise" }
-            }
+            (key(diagnosis, machines))
         }
         (cards::section(diagnosis, machines))
+    }
+}
+
+/// What shades mean, of those that are drawn.
+fn key(diagnosis: &Diagnosis<'_>, machines: &[&Figures]) -> Markup {
+    let runs = || {
+        let all = machines.iter();
+        all.flat_map(|own| (0..own.spans_s.len()).map(move |run| (*own, run)))
+    };
+    let works = runs().any(|(own, run)| !at_work(diagnosis, own, run).is_empty());
+    let noise = runs().any(|(own, run)| specs(own, run).iter().any(Spec::shows_noise));
+    html! {
+        @if works || noise {
+            p class="key" {
+                @if works { span { i class="k3" {} "where the chosen finding is at work" } }
+                @if noise { span { i class="k4" {} "95 % of the sensor's own noise" } }
+            }
+        }
     }
 }
 
@@ -181,9 +196,16 @@ impl Spec {
         }
     }
 
+    /// Whether the sensor's noise is wide enough to be seen.
+    fn shows_noise(&self) -> bool {
+        let y = self.scale();
+        let px = |noise: f64| 2.0 * noise / (y.high - y.low) * f64::from(HEIGHT_PX);
+        self.noise.is_some_and(|noise| px(noise) >= 1.0)
+    }
+
     fn frame(&self, x: Scale) -> Frame {
         let frame = Frame::new(x, self.scale(), HEIGHT_PX, self.described());
-        match self.noise {
+        match self.noise.filter(|_| self.shows_noise()) {
             Some(noise) => frame.noise(noise),
             None => frame,
         }

@@ -26,7 +26,7 @@ pub(super) fn findings(diagnosis: &Diagnosis<'_>) -> Markup {
                     th scope="col" { span class="sr" { "Parameter" } }
                     th scope="col" class="num cb" { "Was" }
                     th scope="col" class="num ca" { "Is" }
-                    th scope="col" { "95 % interval" }
+                    th scope="col" class="num" { "95 % interval" }
                     th scope="col" class="gl wide" { span class="sr" { "Interval as a picture" } }
                     th scope="col" class="num" { "Takes away" }
                     th scope="col" { "What to do" }
@@ -39,7 +39,7 @@ pub(super) fn findings(diagnosis: &Diagnosis<'_>) -> Markup {
                 }
             }
         }
-        p class="key" {
+        p class="key of-gl" {
             span { i class="k1" {} "the model's value" }
             span { i class="k2" {} "estimate with its 95 % interval, each on its own scale" }
         }
@@ -60,7 +60,7 @@ fn finding_row(
         .find_map(|own| own.text.as_deref());
     html! {
         tr {
-            td {
+            td class="own" {
                 span class="nm" { (badge(number)) b { (name(&finding.effect)) } }
                 div class="id" { (finding.effect) @if let Some(word) = word { ", " (word) } }
                 @if several { div class="id" { "of " (finding.robot) } }
@@ -69,18 +69,18 @@ fn finding_row(
                 }
             }
             @if rows.is_empty() {
-                td colspan="5" { (finding.shape.clone().unwrap_or_default()) }
+                td class="own" colspan="5" { (finding.shape.clone().unwrap_or_default()) }
             } @else {
-                td { @for row in &rows { span class="ln" { (row.label) } } }
-                td class="num" { @for row in &rows { span class="ln" {
+                td class="what" data-l="Parameter" { @for row in &rows { span class="ln" { (row.label) } } }
+                td class="num" data-l="Was" { @for row in &rows { span class="ln" {
                     (row.was_words().unwrap_or_else(|| "–".to_owned()))
                 } } }
-                td class="num" { @for row in &rows { span class="ln" { b { (row.is_words()) } } } }
-                td { @for row in &rows { span class="ln cii" { (row.interval_words()) } } }
+                td class="num" data-l="Is" { @for row in &rows { span class="ln" { b { (row.is_words()) } } } }
+                td class="num" data-l="95 % interval" { @for row in &rows { span class="ln cii" { (row.interval_words()) } } }
                 td class="gl wide" { @for row in &rows { (glyph(row.was, row.is, row.interval, &sentence(row))) } }
             }
-            td class="num" { (taken(diagnosis.answer, finding)) }
-            td class="do" { (to_do(finding)) }
+            td class="num own" data-l="Takes away" { @for words in taken(diagnosis.answer, finding) { span class="ln" { (words) } } }
+            td class="do own" data-l="What to do" { (to_do(finding)) }
         }
     }
 }
@@ -112,22 +112,28 @@ fn sentence(row: &Shown) -> String {
     )
 }
 
-/// What a finding takes away of the error, in words.
-pub(super) fn taken(answer: &Answer, finding: &Finding) -> String {
+/// What a finding takes away of each error, in words.
+pub(super) fn taken(answer: &Answer, finding: &Finding) -> Vec<String> {
     let budgets = answer.budget.iter();
     let own = budgets.filter(|own| own.robot == finding.robot);
+    let alike = |other: &&Finding| other.robot == finding.robot && other.effect == finding.effect;
+    let several = answer.findings.iter().filter(alike).count() > 1;
     let shares = own.filter_map(|own| {
         let part = own.part_of(&finding.effect)?;
         let (factor, unit) = shown_unit(own.unit);
-        let together = if part.is_shared() { " together" } else { "" };
+        let together = if several || part.is_shared() {
+            " together"
+        } else {
+            ""
+        };
         (part.share > 0.01 * own.before)
             .then(|| with_unit(&short(factor * part.share), unit) + together)
     });
     let words: Vec<String> = shares.collect();
     if words.is_empty() {
-        "–".to_owned()
+        vec!["–".to_owned()]
     } else {
-        words.join(", ")
+        words
     }
 }
 
@@ -138,10 +144,10 @@ fn rest_row(left: &[(f64, &'static str)]) -> Markup {
         .collect();
     html! {
         tr {
-            td { span class="nm" { span class="n q" { "?" } b { "Unexplained" } } div class="id" { "no driver" } }
-            td colspan="5" { "It follows none of the variables that were looked at." }
-            td class="num" { (words.join(", ")) " left" }
-            td class="do" { "See the data below for jumps and gaps" }
+            td class="own" { span class="nm" { span class="n q" { "?" } b { "Unexplained" } } div class="id" { "no driver" } }
+            td class="own" colspan="5" { "It follows none of the variables that were looked at." }
+            td class="num own" data-l="Left" { @for words in &words { span class="ln" { (words) " left" } } }
+            td class="do own" data-l="What to do" { "See the data below for jumps and gaps" }
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The first screen of a diagnosis: verdict, error budget, path before and after, findings and what to do.
 
 use maud::{Markup, html};
-use slipstream_answer::{Answer, Budget, Paths, Verdict};
+use slipstream_answer::{Answer, Budget, Finding, Paths, Verdict};
 
 use super::diagnosis::Diagnosis;
 use super::errors::{Error, errors, unexplained};
@@ -171,12 +171,15 @@ fn budgets(diagnosis: &Diagnosis<'_>) -> Vec<BudgetRow> {
         for robot in &robots {
             let Some(own) = own(robot) else { continue };
             let parts = own.parts.iter().map(|part| {
-                let number = numbered
-                    .iter()
-                    .find(|(_, _, f)| f.robot == own.robot && f.effect == part.name);
+                let effects = part.name.split(" + ");
+                let of_part = |f: &Finding| {
+                    f.robot == own.robot && effects.clone().any(|effect| effect == f.effect)
+                };
+                let numbers = numbered.iter().filter(|(_, _, f)| of_part(f));
+                let names: Vec<&str> = effects.clone().map(name).collect();
                 Part {
-                    number: number.map(|(number, ..)| *number),
-                    name: name(&part.name).to_owned(),
+                    numbers: numbers.map(|(number, ..)| *number).collect(),
+                    name: names.join(" + "),
                     share: factor * part.share,
                     kind: match part.name.as_str() {
                         "unexplained" => PartKind::Unexplained,

@@ -59,7 +59,7 @@ pub(super) fn markdown(diagnosis: &Diagnosis<'_>) -> String {
             finding.effect,
             was.join(", "),
             is.join(", "),
-            taken(answer, finding),
+            taken(answer, finding).join(", "),
             finding.actions.join("; ")
         );
     }

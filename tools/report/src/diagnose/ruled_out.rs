@@ -1,4 +1,4 @@
-//! What was ruled out down to which size, what was not judged, and what cannot be told apart.
+//! What was ruled out down to which size, what could still be there, what was not judged, and what cannot be told apart.
 
 use maud::{Markup, html};
 use slipstream_answer::{Figures, Finding, Limit, Seen, manoeuvre};
@@ -58,7 +58,7 @@ pub(super) fn section(diagnosis: &Diagnosis<'_>, machines: &[&Figures]) -> Marku
         section id="ruled-out" aria-labelledby="h-ruled-out" {
             h2 id="h-ruled-out" { "Ruled out, down to which size" }
             p class="sub" { "Beside the findings, " (what) " of this size would differ from nothing by 4.5 standard deviations. "
-                "The dot is the error 5 s ahead that it could still cause: left of the dashed line, it cannot be what is unexplained."
+                "The dot is the error 5 s ahead that it could still cause; the dashed line is the error that is left."
                 @if !others.is_empty() { " Of " (first.robot) "." } }
             (of_machine(diagnosis, first))
             @for own in others {
@@ -75,15 +75,37 @@ fn of_machine(diagnosis: &Diagnosis<'_>, own: &Figures) -> Markup {
     let axis = Axis::new(in_place);
     let is_known = |limit: &&Limit| limit.size.is_some_and(f64::is_finite);
     let known = own.limits.iter().filter(is_known);
-    let rows: Vec<DotRow> = known
-        .map(|limit| row(limit, axis, model.as_ref()))
-        .collect();
+    let left = left(diagnosis, own, axis);
+    let (small, large): (Vec<&Limit>, Vec<&Limit>) = known.partition(|limit| {
+        left.is_none_or(|left| limit.error[axis.part].is_some_and(|error| error < left))
+    });
+    let mark = left.map(|left| (axis.factor * left, "error left"));
+    let rows = |limits: &[&Limit]| {
+        let rows = limits.iter().map(|limit| row(limit, axis, model.as_ref()));
+        table(axis, mark, &rows.collect::<Vec<_>>())
+    };
     let hidden = own.limits.iter().filter(|limit| !is_known(limit));
     let mut hidden: Vec<String> = hidden
         .map(|limit| name(limit.effect).to_lowercase())
         .collect();
     hidden.dedup();
-    let mark = unexplained(diagnosis, own, axis);
+    html! {
+        @if !small.is_empty() { (rows(&small)) }
+        @if !large.is_empty() {
+            h3 class="more" { "Could still be there" }
+            p class="sub" { "Up to this size these would not have been seen, and they could cause as much error as is left." }
+            (rows(&large))
+        }
+        @if !hidden.is_empty() {
+            details { summary { "Not visible in this recording: " (hidden.len()) " effects" }
+                p class="small" { (hidden.join(", ")) "." } }
+        }
+        (not_judged(own))
+    }
+}
+
+/// Rows on one axis; the first of them are open.
+fn table(axis: Axis, mark: Option<(f64, &str)>, rows: &[DotRow]) -> Markup {
     let heads = ["Effect", "No larger than", axis.head];
     let (first, rest) = rows.split_at(rows.len().min(SHOWN));
     html! {
@@ -92,11 +114,6 @@ fn of_machine(diagnosis: &Diagnosis<'_>, own: &Figures) -> Markup {
             details { summary { (rest.len()) " more, each with a smaller error" }
                 (dot_table(heads, axis.unit, mark, rest)) }
         }
-        @if !hidden.is_empty() {
-            details { summary { "Not visible in this recording: " (hidden.len()) " effects" }
-                p class="small" { (hidden.join(", ")) "." } }
-        }
-        (not_judged(own))
     }
 }
 
@@ -123,18 +140,11 @@ fn row(limit: &Limit, axis: Axis, model: Option<&RobotModel>) -> DotRow {
     }
 }
 
-/// Root mean square of what nothing explains, for the dashed line.
-fn unexplained(
-    diagnosis: &Diagnosis<'_>,
-    own: &Figures,
-    axis: Axis,
-) -> Option<(f64, &'static str)> {
+/// The error that is left, in the unit of the budget.
+fn left(diagnosis: &Diagnosis<'_>, own: &Figures, axis: Axis) -> Option<f64> {
     let mut budgets = diagnosis.answer.budget.iter();
     let budget = budgets.find(|budget| budget.robot == own.robot && budget.unit == axis.native)?;
-    let mut parts = budget.parts.iter();
-    let part = parts.find(|part| part.name == "unexplained")?;
-    let rms = (part.share * budget.after).max(0.0).sqrt();
-    Some((axis.factor * rms, "unexplained"))
+    Some(budget.after)
 }
 
 /// Effects that were not looked at, and why.

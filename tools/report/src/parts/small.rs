@@ -95,7 +95,7 @@ pub fn code_box(id: &str, title: &str, place: &str, text: &str) -> Markup {
     html! {
         div class="box" {
             h3 { (title) " " span { (place) } }
-            pre id=(id) tabindex="0" { (text) }
+            pre id=(id) { @for line in text.lines() { span class="line" { (line) "\n" } } }
             button class="btn noprint" data-copy=(id) aria-label=(format!("Copy {title}")) { "Copy" }
         }
     }
@@ -114,8 +114,8 @@ pub fn command(id: &str, text: &str) -> Markup {
 /// A part of an error budget.
 #[derive(Debug, Clone)]
 pub struct Part {
-    /// Number of the finding; none for what is no finding.
-    pub number: Option<usize>,
+    /// Numbers of its findings; none for what is no finding.
+    pub numbers: Vec<usize>,
     /// What it is.
     pub name: String,
     /// How much, in the unit of the budget.
@@ -199,8 +199,8 @@ fn budget_row(row: &BudgetRow) -> Markup {
                     style=(format!("width:{:.1}%", 100.0 * (before / row.scale.max(1e-300)).clamp(0.02, 1.0))) {
                     @for (place, part) in drawn.iter().enumerate() {
                         span class=(class(place, part)) style=(format!("flex:{:.4}", part.share / sum.max(1e-300))) {
-                            @if let Some(number) = part.number {
-                                @if part.share / sum > 0.03 { span class="n" { (number) } }
+                            @for number in &part.numbers {
+                                @if part.share / sum > 0.03 * part.numbers.len() as f64 { span class="n" { (number) } }
                             }
                         }
                     }
@@ -209,7 +209,7 @@ fn budget_row(row: &BudgetRow) -> Markup {
                     @for (place, part) in drawn.iter().enumerate() {
                         li {
                             i class=(format!("sw {}", class(place, part))) {}
-                            @if let Some(number) = part.number { (badge(number)) }
+                            @for number in &part.numbers { (badge(*number)) }
                             span { (part.name) " " b { (words(part.share)) } }
                         }
                     }

@@ -52,7 +52,7 @@ impl OwnReport {
     }
 }
 
-/// Scores the answers to `cases`.
+/// Scores the answers to `cases`, or to the first of them.
 pub fn score(on: &str, cases: &[OwnCase], answers: Vec<DiagnosisRun>) -> OwnReport {
     let hidden = cases.iter().zip(&answers);
     let hidden = hidden.filter(|(case, run)| {
@@ -76,8 +76,12 @@ pub fn score(on: &str, cases: &[OwnCase], answers: Vec<DiagnosisRun>) -> OwnRepo
         })
         .collect();
     let detectable = detectable(cases, &each);
+    let interrupted = each.len() < cases.len();
     OwnReport {
-        trial: tally(each, Vec::new(), None),
+        trial: TrialReport {
+            interrupted,
+            ..tally(each, Vec::new(), None)
+        },
         on: on.to_owned(),
         detectable,
         out_of_sight,

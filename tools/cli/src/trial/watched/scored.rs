@@ -131,6 +131,9 @@ pub(super) struct Scores {
     /// Alarms where nothing changed.
     pub(super) null_alarms: Vec<String>,
     pub(super) cases: Vec<Case>,
+    /// Whether it was interrupted: only the changes that were heard before are there.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub(super) interrupted: bool,
 }
 
 impl Scores {
@@ -143,6 +146,7 @@ impl Scores {
             onset_s,
             null_alarms: alarms.map(|own| own.finding.effect.clone()).collect(),
             cases: Vec::new(),
+            interrupted: false,
         }
     }
 

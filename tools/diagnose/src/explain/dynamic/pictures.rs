@@ -12,15 +12,13 @@ use crate::model::hypothesis::Hypothesis;
 use crate::model::plant::filtered::Filtered;
 use crate::model::plant::machine::Machine;
 use crate::predict::drawn::Drawn;
-use crate::predict::misfit::Misfit;
 use crate::predict::predictor::Predictor;
 use crate::predict::window::{WINDOW_S, at_most, cut};
 
 /// Places of a line that the filter draws.
 const PLACES: usize = 4000;
-/// Sizes of a profile to each side, and windows by which it is predicted.
+/// Sizes of a profile to each side.
 const SIZES: i32 = 8;
-const WINDOWS: usize = 8;
 
 /// The figures of one machine, whose findings begin at number `first_finding`.
 pub(crate) fn figures(
@@ -37,7 +35,7 @@ pub(crate) fn figures(
         spans_s: machine.tracks.iter().map(Track::span_s).collect(),
         motion,
         forces: forces(machine, selected),
-        profiles: profiles(machine, predictor, selected, first_finding),
+        profiles: profiles(machine, selected, first_finding),
         laws: law(selected, first_finding).into_iter().collect(),
         limits: limits(machine, predictor, &selected.fit, all),
         ..Figures::default()
@@ -123,66 +121,35 @@ fn drawn(predictor: &Predictor, run: usize, hypotheses: &[Hypothesis]) -> Drawn 
     seen.fold(Drawn::default(), Drawn::and)
 }
 
-/// Error against the size of each finding.
-fn profiles(
-    machine: &Machine,
-    predictor: &Predictor,
-    selected: &Selected,
-    first_finding: usize,
-) -> Vec<Profile> {
-    let hypotheses = &selected.fit.hypotheses;
-    let named = hypotheses
-        .iter()
-        .enumerate()
-        .filter(|(_, own)| selected.names(own));
+/// How the fit falls with the size of each finding.
+fn profiles(machine: &Machine, selected: &Selected, first_finding: usize) -> Vec<Profile> {
+    let all = selected.fit.hypotheses.iter().enumerate();
+    let named = all.filter(|(_, own)| selected.names(own));
     (first_finding..)
         .zip(named)
-        .filter_map(|(finding, (index, _))| profile(machine, predictor, hypotheses, index, finding))
+        .filter_map(|(finding, (index, _))| profile(machine, &selected.fit, index, finding))
         .collect()
 }
 
-fn profile(
-    machine: &Machine,
-    predictor: &Predictor,
-    hypotheses: &[Hypothesis],
-    index: usize,
-    finding: usize,
-) -> Option<Profile> {
-    let own = &hypotheses[index];
+/// The same of one finding, at the gains of the fit.
+fn profile(machine: &Machine, fit: &Filtered, index: usize, finding: usize) -> Option<Profile> {
+    let own = &fit.hypotheses[index];
     if own.is_local() {
         // a place or a moment: its size says little beside it
         return None;
     }
     let (name, value) = *own.values.last()?;
-    let windows = predictor.some_windows(WINDOWS);
-    let worth: Vec<(f64, Misfit)> = sizes(own, value, own.nothing(&machine.model, name))
+    let likelihoods: Vec<Option<Point>> = sizes(own, value, own.nothing(&machine.model, name))
         .into_par_iter()
         .map(|size| {
-            let mut moved = hypotheses.to_vec();
+            let mut moved = fit.hypotheses.clone();
             moved[index].set(name, size);
             moved[index].keep_in_order();
-            (size, predictor.misfit(&windows, &moved))
+            let innovations = machine.innovations(fit, &moved)?;
+            Some((size, -machine.deviance(&innovations) / 2.0))
         })
         .collect();
-    let has = |channels: &[usize]| {
-        let mut all = worth.iter();
-        all.all(|(_, own)| channels.iter().all(|c| own.has(*c)))
-    };
-    let (unit, channels) = [("m", &[2, 3][..]), ("rad", &[4]), ("wheel", &[0, 1])]
-        .into_iter()
-        .find(|(_, channels)| has(channels))?;
-    let points = worth.iter().map(|(size, own)| {
-        let squares = channels
-            .iter()
-            .map(|c| own.mean_square(*c) * predictor.deviation(*c).powi(2));
-        (*size, squares.sum::<f64>().sqrt())
-    });
-    Some(Profile {
-        finding,
-        parameter: name,
-        unit,
-        points: points.collect(),
-    })
+    Profile::new(finding, name, likelihoods.into_iter().flatten())
 }
 
 /// Sizes around one that was found, from nothing on, or by factors of it where nothing is far.
