@@ -96,6 +96,8 @@ fn shown(text: &str) -> Option<(f64, f64)> {
 fn numbers(value: &Value, into: &mut Vec<f64>) {
     match value {
         Value::Number(own) => into.extend(own.as_f64()),
+        // Tables of answers hold their cells as words.
+        Value::String(own) => into.extend(own.parse::<f64>().ok()),
         Value::Array(all) => all.iter().for_each(|own| numbers(own, into)),
         Value::Object(all) => all.values().for_each(|own| numbers(own, into)),
         _ => {}

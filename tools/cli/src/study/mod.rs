@@ -2,7 +2,7 @@
 
 mod sweep;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, Subcommand};
@@ -13,7 +13,7 @@ use crate::command_line::command_line;
 use crate::estimate::{self, Work, sample, spread};
 use crate::exit::{Error, Exit};
 use crate::interrupt;
-use crate::output_file::{write, write_json};
+use crate::output_file::{place, write, write_json};
 use crate::print::print_line;
 use crate::shard_files;
 
@@ -183,11 +183,7 @@ impl Output {
     }
 
     fn write(&self, study: &Study) -> Result<Exit, Error> {
-        // What an interrupted study has never replaces what is there.
-        let place = |path: &PathBuf| match study.interrupted && path.exists() {
-            true => interrupted_path(path),
-            false => path.clone(),
-        };
+        let place = |path: &PathBuf| place(path, study.interrupted);
         let (json, report) = (
             self.json.as_ref().map(place),
             self.report.as_ref().map(place),
@@ -239,10 +235,4 @@ fn print_table(table: &Table) {
         });
         print_line!("{}", cells.collect::<String>());
     }
-}
-
-/// `delay.json` becomes `delay.interrupted.json`.
-fn interrupted_path(path: &Path) -> PathBuf {
-    let extension = path.extension().unwrap_or_default().to_string_lossy();
-    path.with_extension(format!("interrupted.{extension}"))
 }
