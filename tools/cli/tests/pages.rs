@@ -83,7 +83,7 @@ fn pages_have_no_layout_problems() {
         ("compare.html", 18),
         ("two.html", 8),
         ("reproduce.html", 12),
-        ("study.html", 8),
+        ("study.html", 5),
         ("trial.html", 0),
     ] {
         assert_page(&mut browser, &folder.join(page), charts);

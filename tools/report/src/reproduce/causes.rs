@@ -44,7 +44,7 @@ pub(super) fn section(explanation: &Explanation) -> Markup {
 fn switches(explanation: &Explanation) -> Markup {
     html! {
         ol class="causes" { @for (place, cause) in explanation.causes.iter().enumerate() { li {
-            label { input type="checkbox" checked data-cause=(place); " " (badge(place + 1)) " " b { (capital(&cause.sentence)) } " " span class="cm" { (sized(cause)) } }
+            label { input type="checkbox" checked data-cause=(place) aria-label=(format!("Cause {}: on", place + 1)); " " (badge(place + 1)) " " b { (capital(&cause.sentence)) } " " span class="cm" { (sized(cause)) } }
             p class="sub" { "Without it, " (short(100.0 * cause.without_it_m)) " cm would be left in place of "
                 (short(100.0 * explanation.after_m)) " cm (root mean square)."
                 @if !cause.rivals.is_empty() { " It could also be that " (cause.rivals.join(", or that ")) "." } }
