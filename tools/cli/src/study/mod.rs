@@ -1,5 +1,6 @@
 //! `slipstream study`: parameter studies, many runs on all cores.
 
+mod aligned;
 mod sweep;
 
 use std::path::PathBuf;
@@ -9,6 +10,7 @@ use clap::{Args, Subcommand};
 use slipstream_bus::Shard;
 use slipstream_study::delay::{self, Grid, Study, Table};
 
+use self::aligned::aligned;
 use crate::command_line::command_line;
 use crate::estimate::{self, Work, sample, spread};
 use crate::exit::{Error, Exit};
@@ -221,18 +223,9 @@ impl Output {
 }
 
 fn print_table(table: &Table) {
-    let lines = || std::iter::once(&table.heads).chain(&table.rows);
-    let width = |column: usize| {
-        let cells = lines().filter_map(|line| line.get(column));
-        cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
-    };
-    let widths: Vec<usize> = (0..table.heads.len()).map(width).collect();
-    for line in lines() {
-        let cells = line.iter().zip(&widths).enumerate();
-        let cells = cells.map(|(column, (cell, width))| match column {
-            0 => format!("  {cell:<width$}"),
-            _ => format!("  {cell:>width$}"),
-        });
-        print_line!("{}", cells.collect::<String>());
+    let heads = std::iter::once(table.heads.clone());
+    let rows: Vec<Vec<String>> = heads.chain(table.rows.iter().cloned()).collect();
+    for line in aligned(&rows, 1) {
+        print_line!("  {line}");
     }
 }

@@ -6,6 +6,7 @@ use clap::Args;
 use slipstream_bus::InputError;
 use slipstream_study::sweep::{self, Plan, Point};
 
+use super::aligned::aligned;
 use crate::exit::{Error, Exit};
 use crate::interrupt;
 use crate::output_file::write_json;
@@ -132,23 +133,7 @@ fn table(plan: &Plan, points: &[Point]) -> Vec<String> {
                 .collect(),
         );
     }
-    let widths: Vec<usize> = (0..rows[0].len())
-        .map(|column| {
-            rows.iter()
-                .map(|row| row[column].chars().count())
-                .max()
-                .unwrap_or(0)
-        })
-        .collect();
-    let line = |row: &Vec<String>| {
-        let cells = row.iter().zip(&widths).enumerate();
-        let cells = cells.map(|(column, (cell, &width))| match column < keys.len() {
-            true => format!("{cell:<width$}"),
-            false => format!("{cell:>width$}"),
-        });
-        cells.collect::<Vec<_>>().join("  ").trim_end().to_owned()
-    };
-    rows.iter().map(line).collect()
+    aligned(&rows, keys.len())
 }
 
 #[cfg(test)]

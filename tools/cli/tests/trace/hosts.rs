@@ -150,7 +150,7 @@ fn the_table_says_what_the_clocks_leave_open() {
         table.contains("max (ms)  ± of p50, by the clocks (ms)"),
         "{table}"
     );
-    let transport = "0.2500     0.2500     0.2500       ± 0.2000";
+    let transport = "0.250      0.250      0.250       ± 0.2000";
     assert!(line(&table, "transport").ends_with(transport), "{table}");
     // The torque is applied 0.1 ms after the tick, which b stamps 0.15 ms too late.
     let apply_wait =
@@ -160,11 +160,11 @@ fn the_table_says_what_the_clocks_leave_open() {
         assert!(!line(&table, exact).contains('±'), "{table}");
     }
     assert!(
-        line(&table, "end to end").ends_with(" 4.2000     4.2000     4.2000"),
+        line(&table, "end to end").ends_with(" 4.20       4.20       4.20"),
         "{table}"
     );
-    let age = "4.0500     4.0500     4.0500       ± 0.2000";
-    assert!(line(&table, "r1, used by r2").contains("4.2000"), "{table}");
+    let age = "4.05       4.05       4.05       ± 0.2000";
+    assert!(line(&table, "r1, used by r2").contains("4.20"), "{table}");
     assert!(table.lines().any(|line| line.ends_with(age)), "{table}");
     let mut host = line(&table, "b ").split_whitespace();
     let figures = [

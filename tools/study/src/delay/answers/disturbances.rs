@@ -40,7 +40,7 @@ pub(super) fn constant(points: &[Point]) -> Option<Answer> {
 /// The effect of jitter or loss: each point against the one that differs only in this key.
 pub(super) fn random(
     points: &[Point],
-    what: &str,
+    [what, head]: [&str; 2],
     unit: &str,
     pick: fn(&Cell) -> f64,
 ) -> Option<Answer> {
@@ -93,20 +93,13 @@ pub(super) fn random(
     )
     .with_table(
         [
-            &format!("{}, {unit}", capital(what)),
+            &format!("{head}, {unit}"),
             "Spacing error, cm",
             "Desired speed, m/s",
             "Slip, s",
         ],
         rows,
     ))
-}
-
-fn capital(text: &str) -> String {
-    let mut all = text.chars();
-    all.next().map_or_else(String::new, |first| {
-        first.to_uppercase().chain(all).collect()
-    })
 }
 
 /// Whether two cells are equal apart from this key, `jitter` or `loss`.

@@ -17,8 +17,10 @@ pub fn answers(grid: &Grid, points: &[Point], threads: usize) -> Result<Vec<Answ
     answers.extend(origin(grid)?);
     answers.push(bound(points));
     answers.extend(constant(points));
-    answers.extend(random(points, "jitter", "s", |cell| cell.jitter_s));
-    answers.extend(random(points, "loss", "share", |cell| cell.loss));
+    answers.extend(random(points, ["jitter", "Jitter"], "s", |cell| {
+        cell.jitter_s
+    }));
+    answers.extend(random(points, ["loss", "Loss"], "share", |cell| cell.loss));
     answers.push(slip(points));
     answers.extend(gain(points));
     answers.extend(growth(grid, threads)?);
