@@ -92,13 +92,9 @@ fn print_explanation(explanation: &Explanation) {
     }
     print_line!("\nleft out, and predicted by what the others show:");
     for own in &explanation.held_out {
-        let name = match own.left_out.as_str() {
-            "without_limit" => "without the limit",
-            "with_limit" => "with the limit",
-            robot => robot,
-        };
         print_line!(
-            "  {name:<18} {:5.1} cm off as assumed, {:5.1} cm predicted",
+            "  {:<18} {:5.1} cm off as assumed, {:5.1} cm predicted",
+            own.words(),
             cm(own.before_m),
             cm(own.after_m)
         );

@@ -62,10 +62,8 @@ pub fn listen(experiment: &Experiment, lab: &Lab, time: Duration) -> Result<Vec<
     let robots = experiment.robots.iter().zip(&lab.robots);
     let heard = robots.zip(fleet.reports());
     let heard = heard.map(|((setup, lab), report)| {
-        let has_topic = |content: &Content| content.topic(lab).is_some();
-        let contents = Content::ALL.into_iter().filter(has_topic);
         let rate = |content| (content, report.stream(content).messages as f64 / seconds);
-        let rates_hz = contents.map(rate).collect();
+        let rates_hz = Content::of(lab).map(rate).collect();
         let RobotReport {
             problem, last_pose, ..
         } = report;

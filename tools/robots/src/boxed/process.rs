@@ -75,18 +75,12 @@ pub fn run(
         listen,
         security: &lab.security,
         wire: lab.wire,
-        published: told_topics(robot)
+        published: Content::of(robot)
             .filter_map(|content| Topic::of(content, robot))
             .collect(),
         heard: vec![Topic::of_command(robot)],
     })?;
     run_over(topics, robot, options, log, goes_on)
-}
-
-/// What a robot has topics for, in the order in which its box publishes them.
-fn told_topics(robot: &LabRobot) -> impl Iterator<Item = Content> {
-    let all = Content::ALL.into_iter();
-    all.filter(|content| content.topic(robot).is_some())
 }
 
 /// As [`run`], over topics that are open: what the robot has topics for is published in the order of [`Content::ALL`],
@@ -248,7 +242,7 @@ impl Playing<'_> {
 
     /// Publishes what the robot has a topic for.
     fn publish(&mut self, content: Content, message: Vec<u8>) {
-        let place = told_topics(self.robot).position(|own| own == content);
+        let place = Content::of(self.robot).position(|own| own == content);
         if let Some(place) = place {
             self.topics.publish(place, message);
         }

@@ -113,12 +113,7 @@ impl Link {
         };
         let begun = self.begun;
         let latest_s = s_from_ns(self.clocks[content as usize].latest_ns);
-        let stream = match content {
-            Content::Wheels => &mut self.report.wheels,
-            Content::Pose => &mut self.report.poses,
-            Content::Odometry => &mut self.report.odometry,
-            Content::Imu => &mut self.report.imu,
-        };
+        let stream = self.report.stream_mut(content);
         let measured_ns = match read {
             Ok(measured_ns) => measured_ns,
             Err(problem) => {
@@ -163,16 +158,8 @@ impl Link {
                 (t_ns, record)
             }
             WheelTopic::Odometry { .. } => {
-                let odometry = wire::read_odometry(payload)?;
-                let t_ns = self.time(Content::Wheels, odometry.stamp_ns, arrived_ns)?;
-                let wire::OdometryValue { pose, velocity } = odometry.value;
+                let (t_ns, pose, record) = self.odometry(Content::Wheels, payload, arrived_ns)?;
                 self.wheels.take_pose(pose, t_ns);
-                let record = Record::RobotOdometry {
-                    t_ns,
-                    robot,
-                    pose,
-                    velocity,
-                };
                 (t_ns, record)
             }
         };
@@ -195,18 +182,28 @@ impl Link {
         arrived_ns: i64,
         recorder: &mut impl Recorder,
     ) -> Result<i64, String> {
+        let (t_ns, _, record) = self.odometry(Content::Odometry, payload, arrived_ns)?;
+        self.keep(t_ns, &record, recorder);
+        Ok(t_ns)
+    }
+
+    /// An odometry that tells this content: when it was stamped (ns), its pose, and its record.
+    fn odometry(
+        &mut self,
+        content: Content,
+        payload: &[u8],
+        arrived_ns: i64,
+    ) -> Result<(i64, [f64; 3], Record), String> {
         let odometry = wire::read_odometry(payload)?;
-        let t_ns = self.time(Content::Odometry, odometry.stamp_ns, arrived_ns)?;
+        let t_ns = self.time(content, odometry.stamp_ns, arrived_ns)?;
         let wire::OdometryValue { pose, velocity } = odometry.value;
-        let robot = self.robot;
         let record = Record::RobotOdometry {
             t_ns,
-            robot,
+            robot: self.robot,
             pose,
             velocity,
         };
-        self.keep(t_ns, &record, recorder);
-        Ok(t_ns)
+        Ok((t_ns, pose, record))
     }
 
     fn read_imu(

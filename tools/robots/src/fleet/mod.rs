@@ -64,12 +64,10 @@ impl Fleet {
             period_ns: ns_from_s(settings.control.outer_period_s),
         };
         let pairs = experiment.robots.iter().zip(&lab.robots);
-        let heard = pairs.clone().enumerate().flat_map(|(robot, (_, own))| {
-            let told = Content::ALL
-                .into_iter()
-                .filter(|content| content.topic(own).is_some());
-            told.map(move |content| (robot, content))
-        });
+        let heard = pairs
+            .clone()
+            .enumerate()
+            .flat_map(|(robot, (_, own))| Content::of(own).map(move |content| (robot, content)));
         Self {
             heard: heard.collect(),
             links: pairs
@@ -82,11 +80,7 @@ impl Fleet {
 
     /// How the topics of a lab are opened: commands are published by robot, and heard is what [`Self::hear`] takes.
     pub fn opening(lab: &Lab) -> Opening<'_> {
-        let heard = |robot| {
-            Content::ALL
-                .into_iter()
-                .filter_map(move |content| Topic::of(content, robot))
-        };
+        let heard = |robot| Content::of(robot).filter_map(move |content| Topic::of(content, robot));
         Opening {
             connect: lab.addresses(),
             listen: Vec::new(),

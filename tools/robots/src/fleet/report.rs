@@ -41,6 +41,16 @@ impl RobotReport {
             Content::Imu => &self.imu,
         }
     }
+
+    /// The same, to be written.
+    pub(super) fn stream_mut(&mut self, content: Content) -> &mut Stream {
+        match content {
+            Content::Wheels => &mut self.wheels,
+            Content::Pose => &mut self.poses,
+            Content::Odometry => &mut self.odometry,
+            Content::Imu => &mut self.imu,
+        }
+    }
 }
 
 /// A stream of messages.

@@ -22,6 +22,12 @@ impl Content {
     /// All, in the order of their topics.
     pub const ALL: [Self; 4] = [Self::Wheels, Self::Pose, Self::Odometry, Self::Imu];
 
+    /// What a robot has topics for, in the order of [`Self::ALL`].
+    pub fn of(robot: &LabRobot) -> impl Iterator<Item = Self> {
+        let all = Self::ALL.into_iter();
+        all.filter(|content| content.topic(robot).is_some())
+    }
+
     /// What it is called: `wheels`, `pose`, `odometry` or `imu`.
     pub fn name(self) -> &'static str {
         match self {

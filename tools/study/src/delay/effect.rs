@@ -7,8 +7,8 @@ use slipstream_launch::summary::DelayEffect;
 use super::follower_recorder::FollowerRecorder;
 use crate::StudyError;
 
-/// Largest work that is done for it: number of robots times duration (s).
-const MOST_ROBOT_S: f64 = 30_000.0;
+/// Largest work that is done for it, number of robots times duration (s): about a second.
+const MOST_ROBOT_S: f64 = 3_000.0;
 
 /// What the delay of the links did. `None` without a delay or followers, for programs of the user's own, and for runs so long
 /// that two more of them would take a while.

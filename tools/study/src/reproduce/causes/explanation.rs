@@ -69,6 +69,22 @@ pub struct FinalPosition {
     pub after_m: f64,
 }
 
+impl HeldOut {
+    /// What was left out, in words.
+    pub fn words(&self) -> &str {
+        in_words(&self.left_out)
+    }
+}
+
+/// An experiment in words; a robot is called by its name.
+pub(super) fn in_words(name: &str) -> &str {
+    match name {
+        "without_limit" => "without the limit",
+        "with_limit" => "with the limit",
+        robot => robot,
+    }
+}
+
 impl FinalPosition {
     /// Whether a number agrees with the printed one to within the tape.
     pub fn is_within(&self, number_m: f64) -> bool {

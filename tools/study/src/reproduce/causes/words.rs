@@ -1,7 +1,7 @@
 //! Causes in words.
 
 use super::candidate::{Candidate, Kind, Scope};
-use super::explanation::{Cause, FinalPosition};
+use super::explanation::{Cause, FinalPosition, in_words};
 
 /// Names of the experiments.
 pub(super) const EXPERIMENTS: [&str; 2] = ["without_limit", "with_limit"];
@@ -81,8 +81,7 @@ pub(super) fn of(candidate: Candidate, size: f64) -> String {
         ),
     };
     match candidate.scope {
-        Scope::Experiment(0) => format!("without the limit {said}"),
-        Scope::Experiment(_) => format!("with the limit {said}"),
+        Scope::Experiment(own) => format!("{} {said}", in_words(EXPERIMENTS[own])),
         _ => said,
     }
 }
@@ -111,10 +110,7 @@ pub(super) fn sentence(causes: &[Cause], numbers: &[FinalPosition]) -> String {
 pub(super) fn remains(numbers: &[FinalPosition]) -> String {
     let mut groups: Vec<(String, f64, Vec<&str>)> = Vec::new();
     for own in numbers.iter().filter(|own| !own.is_within(own.after_m)) {
-        let which = match own.experiment == EXPERIMENTS[0] {
-            true => "without the limit",
-            false => "with the limit",
-        };
+        let which = in_words(&own.experiment);
         let by = match own.by == "tape" {
             true => "by the tape",
             false => "by the encoders",
