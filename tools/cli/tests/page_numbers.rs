@@ -1,5 +1,5 @@
-//! The numbers in the tables of every page are those of its JSON: the page carries the answer that `--json` writes, a cell
-//! that sorts by a number shows that number rounded, and the answer holds it.
+//! The numbers in the headline and in the tables of every page are those of its JSON: the page carries the answer that
+//! `--json` writes, a cell that sorts by a number shows that number rounded, and the answer holds it.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
 
 mod common;
@@ -19,6 +19,12 @@ const SAME: f64 = 1e-9;
 const COMPUTED: [&str; 3] = ["Odometry off, cm", "Slip, s", "Time, s"];
 /// Tables of dots show what an effect that was not found could cause, which the answer does not hold.
 const DOTS: &str = "dots";
+
+/// What precedes numbers of a headline that are computed from the answer, the sum of both wheels of all robots and the
+/// distance of two poses, and durations of a diagnosis.
+const SUMS: [&str; 4] = ["slipped for ", "is off by ", "took ", "in the median and "];
+/// Numbers that are names.
+const NAMES: [&str; 3] = ["Eq. ", "Fig. ", "Figs. "];
 
 /// A cell of a table that sorts by a number.
 struct Cell {
@@ -104,6 +110,89 @@ fn numbers(value: &Value, into: &mut Vec<f64>) {
     }
 }
 
+/// Headline and the sentences under it, without names of files, of robots and of equations.
+fn head(page: &str) -> String {
+    let mut text = String::new();
+    for (from, to) in [("<h1", "</h1>"), ("<p class=\"lead\"", "</p>")] {
+        for own in page.split(from).skip(1) {
+            let own = own.split(to).next().unwrap_or("");
+            text += &without_tags(own.split_once('>').map_or("", |(_, inside)| inside));
+            text.push(' ');
+        }
+    }
+    text
+}
+
+/// Numbers of a text that begin a word, with half of their last place, and the text before them.
+fn numbers_of(text: &str) -> Vec<(f64, f64, &str)> {
+    let starts = text.char_indices().filter(|(at, c)| {
+        let before = text[..*at].chars().next_back();
+        let inside = |c: char| c.is_alphanumeric() || ['.', ',', '_', '-'].contains(&c);
+        c.is_ascii_digit() && !before.is_some_and(inside)
+    });
+    starts
+        .filter_map(|(at, _)| {
+            let (value, half) = shown(&text[at..])?;
+            Some((value, half, &text[..at]))
+        })
+        .collect()
+}
+
+/// What the head of a page says and its answer does not hold. A share may be what a factor is above or below 1, a count
+/// that of a list, a size that of a vector; a difference stands beside the two numbers that differ.
+fn odd_in_head(page: &str, answer: &Value) -> (usize, Vec<String>) {
+    let text = head(page);
+    let all = numbers_of(&text);
+    let mut known = Vec::new();
+    derived(answer, &mut known);
+    let values: Vec<f64> = all.iter().map(|own| own.0).collect();
+    let is_known = |value: f64, half: f64| {
+        let near = |own: f64| (own.abs() - value).abs() <= half * (1.0 + SAME);
+        let differ = |a: &f64| {
+            values
+                .iter()
+                .any(|b| near(a - b) && *a != value && *b != value)
+        };
+        value == 0.0
+            || known
+                .iter()
+                .any(|own| FACTORS.iter().any(|factor| near(factor * own)))
+            || values.iter().any(differ)
+    };
+    let mut odd = Vec::new();
+    for (value, half, before) in &all {
+        let ends = |own: &&str| before.ends_with(own);
+        let is_exempt = NAMES.iter().any(|own| ends(&own)) || SUMS.iter().any(|own| ends(&own));
+        if !is_exempt && !is_known(*value, *half) {
+            odd.push(format!("{value} is not in the answer: {text}"));
+        }
+    }
+    (all.len(), odd)
+}
+
+/// The numbers of an answer, and what a sentence makes of them.
+fn derived(value: &Value, into: &mut Vec<f64>) {
+    match value {
+        Value::Number(own) => {
+            let own = own.as_f64().unwrap_or(0.0);
+            into.extend([own, 1.0 - own]);
+        }
+        Value::Array(all) => {
+            into.push(all.len() as f64);
+            all.iter().for_each(|own| derived(own, into));
+        }
+        Value::Object(all) => {
+            let number = |key: &str| all.get(key).and_then(Value::as_f64);
+            if let (Some(before), Some(after)) = (number("before"), number("after")) {
+                into.extend([after / before, 1.0 - after / before]);
+            }
+            all.values().for_each(|own| derived(own, into));
+        }
+        Value::String(own) => into.extend(numbers_of(own).into_iter().map(|own| own.0)),
+        _ => {}
+    }
+}
+
 /// What a page shows in tables and its answer does not hold.
 fn odd(page: &str, answer: &Value) -> (usize, Vec<String>) {
     let mut known = Vec::new();
@@ -143,11 +232,15 @@ fn check(folder: &Path, name: &str, arguments: &str) -> (usize, Vec<String>) {
     let inside: Value = serde_json::from_str(inside.unwrap()).unwrap();
     let json = read_json(&folder.join(json));
     assert_eq!(inside, json, "{name}: the page carries another answer");
-    odd(&page, &json)
+    let (count, mut all) = odd(&page, &json);
+    let (said, in_head) = odd_in_head(&page, &json);
+    all.extend(in_head);
+    assert!(said > 0, "{name}: a headline without a number");
+    (count + said, all)
 }
 
 #[test]
-fn tables_show_the_numbers_of_the_answer() {
+fn pages_show_the_numbers_of_the_answer() {
     let folder = tempfile::tempdir().unwrap();
     let mut all = Vec::new();
     for (name, arguments) in [
@@ -162,9 +255,15 @@ fn tables_show_the_numbers_of_the_answer() {
         ("reproduce", "reproduce"),
         ("diagnose", "diagnose single.mcap"),
         ("trial", "trial --cases 1 --seed 3"),
+        (
+            "late",
+            "run --set links.delay_s=0.5 --set duration_s=6 --out late.mcap",
+        ),
+        ("two", "compare run.mcap late.mcap"),
+        ("traces", "trace late.mcap --against run.mcap"),
     ] {
         let (count, odd) = check(folder.path(), name, arguments);
-        println!("{name}: {count} cells with a number, {} odd", odd.len());
+        println!("{name}: {count} numbers, {} odd", odd.len());
         all.extend(odd.into_iter().map(|what| format!("{name}: {what}")));
     }
     assert!(all.is_empty(), "{}", all.join("\n"));
@@ -181,5 +280,10 @@ fn numbers_are_read_as_people_write_them() {
     let (count, wrong) = odd(page, &serde_json::json!({"error_m": [0.123]}));
     assert_eq!((count, wrong), (1, Vec::new()));
     let (_, wrong) = odd(page, &serde_json::json!({"error_m": 0.124}));
+    assert_eq!(wrong.len(), 1);
+    let page = "<h1>The wheels are 3.9\u{202f}% smaller.</h1><p class=\"lead\">Off by 12.3 cm (Eq. 13).</p>";
+    let answer = serde_json::json!({"scale": 0.961, "error_m": 0.1234});
+    assert_eq!(odd_in_head(page, &answer), (3, Vec::new()));
+    let (_, wrong) = odd_in_head(page, &serde_json::json!({"scale": 0.961, "error_m": 0.13}));
     assert_eq!(wrong.len(), 1);
 }

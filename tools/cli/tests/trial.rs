@@ -267,6 +267,35 @@ fn an_interrupted_trial_keeps_what_it_has() {
     assert_eq!(merged.status.code(), Some(2), "{merged:?}");
 }
 
+/// The same of a trial on a recording of one's own.
+#[test]
+fn an_interrupted_trial_on_a_recording_keeps_what_it_has() {
+    let folder = tempfile::tempdir().unwrap();
+    let recorded = slipstream(folder.path(), &["run", "single", "--out", "own.mcap"]);
+    assert!(recorded.status.success(), "{recorded:?}");
+    let begun = folder.path().join("begun");
+    // the third case does not end; the place of the answer comes after `--json`
+    let program = format!(
+        "echo >> '{0}'; [ $(wc -l < '{0}') -lt 3 ] || exec sleep 60; echo '{{\"verdict\": \"match\"}}' > \"$6\"",
+        begun.display()
+    );
+    write_program(folder.path(), &program);
+    let arguments = "trial --on own.mcap --with program --json on.json --report on.html";
+    let arguments: Vec<&str> = arguments.split(' ').collect();
+    let child = command(folder.path(), &arguments).spawn().unwrap();
+    let is_third = || std::fs::read_to_string(&begun).is_ok_and(|text| text.lines().count() == 3);
+    let output = interrupt_when(child, is_third);
+    assert_eq!(output.status.code(), Some(130), "{output:?}");
+    let said = String::from_utf8(output.stdout).unwrap();
+    for words in ["2 cases", "Interrupted: the remaining cases are missing."] {
+        assert!(said.contains(words), "{said}");
+    }
+    let report = read_json(&folder.path().join("on.json"));
+    assert_eq!(report["interrupted"], true);
+    let page = std::fs::read_to_string(folder.path().join("on.html")).unwrap();
+    assert!(page.contains("interrupted after 2 of"));
+}
+
 #[test]
 fn invalid_input_is_refused() {
     let folder = tempfile::tempdir().unwrap();

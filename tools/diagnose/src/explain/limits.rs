@@ -11,8 +11,9 @@ use super::sight::{self, SIGMAS};
 use crate::answer::{Limit, Seen};
 use crate::estimate::scoring::Problem;
 use crate::estimate::term::{Attribution, Link, Term};
+use crate::filter::motion_law::TABLES;
 use crate::judge::POSE;
-use crate::model::from_wheels::TURNS_FIRST;
+use crate::model::from_wheels::LAW_FIRST;
 use crate::model::streams::{Joint, ROBUST};
 use crate::predict::drawn::Drawn;
 use crate::select::elimination::LEAST_APART;
@@ -62,9 +63,8 @@ fn of_term((scene, base): (&Scene<'_>, &Base), problem: &Problem<'_>, term: &Ter
         numbered.map(move |(number, index)| (shown, number, *index))
     });
     each.filter_map(|(shown, number, index)| {
-        let mut moves = found.table.weights[index].iter();
-        let of_turns = moves.any(|(read, _)| *read >= TURNS_FIRST);
-        let named = named((shown, of_turns), number, index)?;
+        let (moved, _) = found.table.weights[index].first()?;
+        let named = named((shown, *moved), number, index)?;
         let place = term.parameters.iter().position(|own| *own == index);
         let change = place.and_then(|place| *sizes.get(place)?);
         let error = change.map_or([None, None], |change| caused(scene, base, index, change));
@@ -106,7 +106,7 @@ fn limit(
     error: [Option<f64>; 2],
 ) -> Limit {
     let (effect, unit) = match (shown.effect, parameter) {
-        ("unknown", "turn_rate") => ("motion_law", "rad/s"),
+        ("unknown", own) if own.starts_with("turn rate") => ("motion_law", "rad/s"),
         ("unknown", _) => ("motion_law", "m/s"),
         (own, _) => {
             let info = find(own).and_then(|info| info.parameter(parameter));
@@ -129,15 +129,17 @@ fn limit(
     }
 }
 
-/// What a fitted parameter is called, and how it changes; one of a table stands for all.
+/// What a fitted parameter that moves this one of the filters is called, and how it changes; one of a table stands for
+/// all.
 fn named(
-    (shown, of_turns): (&Attribution, bool),
+    (shown, moved): (&Attribution, usize),
     number: usize,
     index: usize,
 ) -> Option<(&'static str, Link)> {
     if shown.effect == "unknown" {
-        let acts_on = if of_turns { "turn_rate" } else { "speed" };
-        return (number == 0).then_some((acts_on, Link::Identity));
+        let own = moved.checked_sub(LAW_FIRST)?;
+        let table = TABLES.iter().rfind(|table| table.first <= own)?;
+        return (number == 0).then_some((table.meaning, Link::Identity));
     }
     let mut values = shown.values.iter();
     let own = values.find(|value| value.weights.iter().any(|(own, _)| *own == index))?;

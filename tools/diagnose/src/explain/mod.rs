@@ -3,6 +3,7 @@
 pub(crate) mod against;
 mod bench;
 pub(crate) mod claim;
+mod clocks;
 pub(crate) mod collected;
 mod drawn_span;
 pub(crate) mod dynamic;
@@ -21,6 +22,7 @@ mod poses;
 mod prediction;
 mod scene;
 mod search;
+mod several_maxima;
 mod sight;
 mod spread;
 mod thinning;

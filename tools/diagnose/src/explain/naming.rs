@@ -2,17 +2,13 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use statrs::distribution::{ChiSquared, ContinuousCDF};
-
 use super::claim::{Claim, Law, Value};
 use super::fitted::Fitted;
 use super::search::{Searched, problem};
 use crate::estimate::term::{self, Attribution, Link, Search, Term};
 use crate::filter::motion_law::TABLES;
-use crate::model::from_wheels::{GYRO_LATENCY, LAW_FIRST};
-use crate::model::run::Run;
-use crate::model::streams::{Joint, ROBUST, Streams, read};
-use crate::model::table::Key;
+use crate::model::from_wheels::LAW_FIRST;
+use crate::model::streams::{Joint, ROBUST, Streams};
 use crate::select::criterion::FALSE_ALARM;
 use crate::select::selected::Kept;
 
@@ -24,16 +20,12 @@ const BANDS: usize = 60;
 const FAR: f64 = 1.8;
 /// Tyres of one robot change by less between two recordings (logarithm of a factor).
 pub(crate) const TYRES: f64 = 0.03;
-/// Clocks of runs differ when the probability of their spread without a difference is below this; and by which
-/// nobody would call it one (s).
-const RUNS_DIFFER: f64 = 1e-3;
-const LATE_S: f64 = 0.01;
 
 /// A number and its standard deviation.
 #[derive(Clone, Copy)]
-struct Known {
-    change: f64,
-    deviation: f64,
+pub(super) struct Known {
+    pub(super) change: f64,
+    pub(super) deviation: f64,
     /// By how much it is larger in the second half, where the halves differ.
     difference: Option<f64>,
 }
@@ -101,7 +93,7 @@ impl Naming<'_> {
         claims.remove(track);
     }
 
-    fn known(&self, weights: &[(usize, f64)], term: &Term) -> Known {
+    pub(super) fn known(&self, weights: &[(usize, f64)], term: &Term) -> Known {
         let selected = &self.found.selected;
         let change = weights.iter().map(|(i, w)| w * selected.fit.at[*i]).sum();
         let difference = selected.difference(weights);
@@ -112,7 +104,7 @@ impl Naming<'_> {
         }
     }
 
-    fn value(&self, own: &term::Value, known: Known) -> Value {
+    pub(super) fn value(&self, own: &term::Value, known: Known) -> Value {
         let half = self.found.criterion.half_width() * known.deviation;
         let halves = known
             .difference
@@ -160,7 +152,9 @@ impl Naming<'_> {
                 let nominal = self.nominal(&own.weights);
                 known.change = (known.change + nominal).abs() - nominal;
             }
-            self.value(own, known)
+            let mut value = self.value(own, known);
+            self.clock(&mut value, &own.weights);
+            value
         });
         let mut claim = Claim {
             effect: shown.effect,
@@ -224,7 +218,7 @@ impl Naming<'_> {
     }
 
     /// A stream that is stamped before it was measured is the less likely of two.
-    fn mirror(&self, claim: &mut Claim, shown: &Attribution) {
+    pub(super) fn mirror(&self, claim: &mut Claim, shown: &Attribution) {
         let (Some((effect, sign)), [own]) = (shown.mirror, shown.values.as_slice()) else {
             return;
         };
@@ -234,6 +228,9 @@ impl Naming<'_> {
         }
         let value = &mut claim.values[0];
         value.change *= sign;
+        if sign < 0.0 {
+            value.half.reverse();
+        }
         value.halves = value.halves.map(|own| own.map(|half| sign * half));
         claim.effect = effect;
         claim.confused.retain(|own| *own != effect);
@@ -296,31 +293,42 @@ impl Naming<'_> {
         }
     }
 
+    /// What `of` says of the log-likelihood as a function of changes of single parameters beside the fit.
+    pub(super) fn with_objective<T>(
+        &self,
+        of: impl FnOnce(&dyn Fn(&[(usize, f64)]) -> f64) -> T,
+    ) -> T {
+        let found = self.found;
+        let joint = Joint::new(self.streams, &found.nominal, &found.table.weights, ROBUST);
+        let problem = problem(&joint, &found.table);
+        let fit = &found.selected.fit;
+        of(&|changes| {
+            let mut at = fit.at.clone();
+            changes.iter().for_each(|(index, by)| at[*index] += by);
+            problem.objective(&at, &fit.free)
+        })
+    }
+
     /// The interval in which a dead band fits as well.
     fn profile(&self, claim: &mut Claim, term: &Term) {
         let (Search::Profiled(values), [value]) = (&term.search, claim.values.as_mut_slice())
         else {
             return;
         };
-        let found = self.found;
-        let joint = Joint::new(self.streams, &found.nominal, &found.table.weights, ROBUST);
-        let problem = problem(&joint, &found.table);
-        let fit = &found.selected.fit;
-        let worth = |change: f64| {
-            let mut at = fit.at.clone();
-            at[term.parameters[0]] = change;
-            problem.objective(&at, &fit.free)
-        };
-        let place = values.partition_point(|own| *own < value.change - 1e-12);
-        let best = worth(value.change);
-        let fits = |place: &usize| worth(values[*place]) > best - ALIKE_NATS;
-        let above = (place + 1..values.len())
-            .take(BANDS)
-            .take_while(fits)
-            .last();
-        let below = (0..place).rev().take(BANDS).take_while(fits).last();
+        let found = value.change;
+        let [low, high] = self.with_objective(|objective| {
+            let worth = |change: f64| objective(&[(term.parameters[0], change - found)]);
+            let place = values.partition_point(|own| *own < found - 1e-12);
+            let best = worth(found);
+            let fits = |place: &usize| worth(values[*place]) > best - ALIKE_NATS;
+            let above = (place + 1..values.len())
+                .take(BANDS)
+                .take_while(fits)
+                .last();
+            let below = (0..place).rev().take(BANDS).take_while(fits).last();
+            [below.unwrap_or(place), above.unwrap_or(place)]
+        });
         let at = |place: usize| values[place.min(values.len() - 1)];
-        let [low, high] = [below.unwrap_or(place), above.unwrap_or(place)];
         // a dead band lies anywhere between two commands
         let edge = |a: usize, b: usize| (at(a) - at(b)).abs() / 2.0;
         let below = value.change - at(low) + edge(low, low.saturating_sub(1));
@@ -388,136 +396,6 @@ impl Naming<'_> {
         };
         claim.toggles.push(index);
         self.slip_differs(claim, self.known(&[(index, 1.0)], term));
-    }
-
-    /// Middle of the run of a robot (s).
-    fn middle_s(&self, robot: Option<i64>) -> f64 {
-        let reference = self.streams.reference;
-        let first = reference.before.robots as i64;
-        let own = |run: &&Run| Some(run.robot as i64 - first) == robot;
-        let run = reference.runs.iter().find(own);
-        run.map_or(0.0, |run| {
-            f64::midpoint(run.blocks.span_s[0], run.blocks.span_s[1])
-        })
-    }
-
-    /// The latency that all runs share, where each has a clock of its own and they do not differ: parameters of runs,
-    /// with their shares in it.
-    fn late_in_all(&self, claims: &mut Vec<Claim>, shares: Vec<(usize, f64)>) {
-        let table = &self.found.table;
-        let Some(machine) = table.find(&Key::of("late gyro", None)) else {
-            return;
-        };
-        let mut weights = vec![(machine, 1.0)];
-        for (index, share) in &shares {
-            let robot = table.keys[*index].robot;
-            weights.push((*index, *share));
-            let rate = table.find(&Key::of("run rate", robot));
-            weights.extend(rate.map(|rate| (rate, share * self.middle_s(robot))));
-        }
-        let mut terms = table.terms.iter();
-        let Some(term) = terms.find(|term| term.parameters == [machine]) else {
-            return;
-        };
-        let known = self.known(&weights, term);
-        let z = known.change / known.deviation.max(f64::MIN_POSITIVE);
-        let p_value = self.found.criterion.p_value(z * z, 1);
-        if p_value > FALSE_ALARM {
-            return;
-        }
-        for shown in &term.shown {
-            let value = self.value(&shown.values[0], known);
-            claims.retain(|claim| !claim.toggles.contains(&machine));
-            let mut claim = Claim {
-                effect: shown.effect,
-                values: vec![value],
-                word: None,
-                runs: None,
-                toggles: weights.iter().map(|(index, _)| *index).collect(),
-                gain: z * z / 2.0,
-                p_value,
-                confused: shown.confused.clone(),
-                law: None,
-            };
-            self.mirror(&mut claim, shown);
-            claims.push(claim);
-        }
-    }
-
-    /// Latencies of single runs where they differ.
-    fn late_runs(&self, claims: &mut Vec<Claim>) {
-        let found = self.found;
-        let keys = found.table.keys.iter().enumerate();
-        let late = keys.filter(|(_, key)| key.name == "run late");
-        let late: Vec<(usize, i64)> = late
-            .filter_map(|(index, key)| Some((index, key.robot.filter(|own| *own >= 0)?)))
-            .collect();
-        let selected = &found.selected;
-        let read = read(&found.nominal, &found.table.weights, &selected.fit.at);
-        let known: Vec<(f64, f64)> = late
-            .iter()
-            .map(|(index, _)| {
-                // a clock that runs fast is later at the end than in the beginning: on the average of the run
-                let robot = found.table.keys[*index].robot;
-                let rate = found.table.find(&Key::of("run rate", robot));
-                let middle_s = self.middle_s(robot);
-                let late = [(*index, 1.0)]
-                    .into_iter()
-                    .chain(rate.map(|rate| (rate, middle_s)));
-                let late: Vec<(usize, f64)> = late.collect();
-                let change = late
-                    .iter()
-                    .map(|(i, w)| w * selected.fit.at[*i])
-                    .sum::<f64>();
-                let deviation = selected.deviation(&late);
-                (read[GYRO_LATENCY] + change, deviation.hypot(LATE_S))
-            })
-            .collect();
-        if known.len() < 2 {
-            return;
-        }
-        let weights: f64 = known.iter().map(|(_, s)| s.powi(-2)).sum();
-        let mean = known.iter().map(|(x, s)| x / s / s).sum::<f64>() / weights;
-        let q: f64 = known.iter().map(|(x, s)| ((x - mean) / s).powi(2)).sum();
-        let chance = ChiSquared::new(known.len() as f64 - 1.0).map_or(1.0, |chi2| chi2.sf(q));
-        if chance > RUNS_DIFFER {
-            let shares = known.iter().map(|(_, s)| s.powi(-2) / weights);
-            let shares = late.iter().map(|(index, _)| *index).zip(shares);
-            self.late_in_all(claims, shares.collect());
-            return;
-        }
-        let of_clock = ["imu_latency", "wheels_latency"];
-        let shared = claims
-            .iter()
-            .filter(|claim| of_clock.contains(&claim.effect));
-        let shared: Vec<usize> = shared.flat_map(|claim| claim.toggles.clone()).collect();
-        claims.retain(|claim| !of_clock.contains(&claim.effect));
-        for ((index, robot), (change, deviation)) in late.into_iter().zip(known) {
-            let reference = self.streams.reference;
-            let first = reference.before.robots as i64;
-            let run = reference
-                .runs
-                .iter()
-                .position(|run| run.robot as i64 - first == robot);
-            let rate = found.table.find(&Key::of("run rate", Some(robot)));
-            let (effect, other, sign) = if change < 0.0 {
-                ("wheels_latency", "imu_latency", -1.0)
-            } else {
-                ("imu_latency", "wheels_latency", 1.0)
-            };
-            let half = found.criterion.half_width() * deviation;
-            claims.push(Claim {
-                effect,
-                values: vec![Value::new("latency_s", Link::Identity, sign * change, half)],
-                word: None,
-                runs: run.map(|run| vec![run]),
-                toggles: shared.iter().copied().chain([index]).chain(rate).collect(),
-                gain: q / 2.0,
-                p_value: chance,
-                confused: vec![other],
-                law: None,
-            });
-        }
     }
 }
 

@@ -12,6 +12,8 @@ const BESIDE: usize = 4;
 pub(crate) struct Table {
     /// Its name among the terms.
     pub(crate) name: &'static str,
+    /// The same in words.
+    pub(crate) meaning: &'static str,
     /// What it adds and over what, as `motion_law` names them.
     pub(crate) acts_on: &'static str,
     pub(crate) driver: &'static str,
@@ -27,6 +29,7 @@ pub(crate) struct Table {
 pub(crate) const TABLES: [Table; 3] = [
     Table {
         name: "law of w",
+        meaning: "speed over w",
         acts_on: "speed",
         driver: "w",
         over: 0,
@@ -35,6 +38,7 @@ pub(crate) const TABLES: [Table; 3] = [
     },
     Table {
         name: "law of v",
+        meaning: "speed over v",
         acts_on: "speed",
         driver: "v",
         over: 1,
@@ -43,6 +47,7 @@ pub(crate) const TABLES: [Table; 3] = [
     },
     Table {
         name: "law of turns",
+        meaning: "turn rate over w",
         acts_on: "turn_rate",
         driver: "w",
         over: 0,

@@ -142,7 +142,7 @@ impl Diagnosis<'_> {
                 let words = changed.and_then(slipstream_answer::change);
                 self.whose(group)
                     + &words
-                        .unwrap_or_else(|| headline(group[0], self.model(&group[0].robot).as_ref()))
+                        .unwrap_or_else(|| headline(group, self.model(&group[0].robot).as_ref()))
             })
             .collect();
         if groups.len() > NAMED {

@@ -6,9 +6,10 @@ use slipstream_bus::RobotModel;
 use super::words::{Shown, driver, shown};
 use crate::parts::{fixed, short, with_unit};
 
-/// Parameters of a finding in words.
+/// Parameters of a finding in words, and of all findings that are told together with it.
 struct Told<'a> {
     finding: &'a Finding,
+    all: &'a [&'a Finding],
     model: Option<&'a RobotModel>,
 }
 
@@ -18,12 +19,18 @@ impl Told<'_> {
         shown(&self.finding.effect, own, self.model)
     }
 
-    /// The size of a parameter with its unit.
+    /// The size of a parameter with its unit; from the least to the largest one where several findings are told.
     fn text(&self, name: &str) -> String {
-        let own = self.get(name);
-        own.map_or_else(
-            || "an unknown amount".to_owned(),
-            |own| with_unit(&fixed(own.is.abs(), own.digits.min(2)), own.unit),
+        let Some(own) = self.get(name) else {
+            return "an unknown amount".to_owned();
+        };
+        let sizes = self.all.iter().filter_map(|finding| {
+            let own = finding.parameters.iter().find(|p| p.name == name)?;
+            Some(shown(&finding.effect, own, self.model)?.is.abs())
+        });
+        with_unit(
+            &range(sizes, |size| fixed(size, own.digits.min(2))),
+            own.unit,
         )
     }
 
@@ -50,13 +57,33 @@ impl Told<'_> {
     }
 }
 
-/// What a finding says in physics, without a full stop, beginning small.
-pub fn headline(finding: &Finding, model: Option<&RobotModel>) -> String {
-    let told = Told { finding, model };
+/// What findings of one effect say in physics, without a full stop, beginning small.
+pub fn headline(all: &[&Finding], model: Option<&RobotModel>) -> String {
+    let [finding, ..] = all else {
+        return String::new();
+    };
+    let told = Told {
+        finding,
+        all,
+        model,
+    };
     let said = of_force(&told)
         .or_else(|| of_drive(&told))
         .or_else(|| of_sensor(&told));
     said.unwrap_or_else(|| outside(finding))
+}
+
+/// From the least to the largest size, where they differ as they are written.
+fn range(sizes: impl Iterator<Item = f64>, written: impl Fn(f64) -> String) -> String {
+    let ends = sizes.fold([f64::INFINITY, 0.0], |[low, high], own| {
+        [own.min(low), own.max(high)]
+    });
+    let [low, high] = ends.map(written);
+    if low == high {
+        high
+    } else {
+        format!("{low} to {high}")
+    }
 }
 
 /// What acts between robot and floor.
@@ -83,7 +110,7 @@ fn of_force(told: &Told<'_>) -> Option<String> {
             "the wheels lose {} of their way to the floor",
             text("ratio")
         ),
-        "track_width" => track(told.finding),
+        "track_width" => track(told.all),
         "payload" => format!("the robot carries {}", text("mass_kg")),
         "floor_slope" => format!("the floor falls by {}", text("grade")),
         "push" => format!(
@@ -222,14 +249,21 @@ fn radii(both: &str, each: &str, less: &str, more: &str, finding: &Finding) -> S
     }
 }
 
-fn track(finding: &Finding) -> String {
-    let own = finding.parameters.first();
-    let factor = own.and_then(|own| Some(own.estimate? / own.nominal.unwrap_or(1.0)));
-    factor.map_or_else(String::new, |factor| {
-        let side = if factor < 1.0 { "narrower" } else { "wider" };
-        let change = short(100.0 * (factor - 1.0).abs());
-        format!("it turns as if its track were {change}\u{202f}% {side}")
-    })
+fn track(all: &[&Finding]) -> String {
+    let factors = all.iter().filter_map(|finding| {
+        let own = finding.parameters.first()?;
+        Some(own.estimate? / own.nominal.unwrap_or(1.0))
+    });
+    let factors: Vec<f64> = factors.collect();
+    let Some(first) = factors.first() else {
+        return String::new();
+    };
+    let side = if *first < 1.0 { "narrower" } else { "wider" };
+    let changes = factors.iter().map(|factor| 100.0 * (factor - 1.0).abs());
+    format!(
+        "it turns as if its track were {}\u{202f}% {side}",
+        range(changes, short)
+    )
 }
 
 fn mounting(x: Option<&Shown>, y: Option<&Shown>, yaw: Option<&Shown>) -> String {
@@ -301,7 +335,7 @@ mod tests {
         for info in CATALOGUE {
             let own = finding(info.id);
             assert_ne!(name(info.id), "Outside of the catalogue", "{}", info.id);
-            let said = headline(&own, None);
+            let said = headline(&[&own], None);
             assert!(
                 !said.is_empty() && !said.contains("unknown"),
                 "{}: {said}",
@@ -319,13 +353,33 @@ mod tests {
     #[test]
     fn wheels_that_do_not_differ_are_told_together() {
         let own = finding("wheel_radius");
-        assert_eq!(headline(&own, None), "the wheels are 10.0\u{202f}% smaller");
+        assert_eq!(
+            headline(&[&own], None),
+            "the wheels are 10.0\u{202f}% smaller"
+        );
         let mut apart = own.clone();
         apart.parameters[0].estimate = Some(1.05);
         apart.parameters[0].ci95 = Some([1.04, 1.06]);
         assert_eq!(
-            headline(&apart, None),
+            headline(&[&apart], None),
             "the right wheel is 5.0\u{202f}% larger, the left 10.0\u{202f}% smaller"
+        );
+    }
+    #[test]
+    fn findings_that_are_told_together_keep_their_sizes() {
+        let own = finding("track_width");
+        let mut other = own.clone();
+        other.parameters[0].estimate = Some(0.7);
+        assert_eq!(
+            headline(&[&own, &other], None),
+            "it turns as if its track were 10.0 to 30.0\u{202f}% narrower"
+        );
+        let own = finding("slip_ratio");
+        let mut other = own.clone();
+        other.parameters[0].estimate = Some(0.5);
+        assert_eq!(
+            headline(&[&own, &other], None),
+            "the wheels lose 50 to 90\u{202f}% of their way to the floor"
         );
     }
 }

@@ -122,9 +122,9 @@ fn row(limit: &Limit, axis: Axis, model: Option<&RobotModel>) -> DotRow {
     let value = limit.error[axis.part].map(|error| axis.factor * error);
     let size = with_unit(&short(factor * limit.size.unwrap_or(0.0)), unit);
     DotRow {
-        name: match (limit.word, limit.parameter.strip_prefix("speed over ")) {
+        name: match (limit.word, limit.parameter.split_once(" over ")) {
             (Some(word), _) => format!("{}, {word}", name(limit.effect)),
-            (None, Some(of)) => format!("A speed that follows {}", driver(of).0),
+            (None, Some((what, of))) => format!("A {what} that follows {}", driver(of).0),
             (None, None) => name(limit.effect).to_owned(),
         },
         id: format!("{}: {}", limit.effect, limit.parameter),

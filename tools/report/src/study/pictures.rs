@@ -124,7 +124,7 @@ fn factors(grid: &Grid, case: &Cell) -> Vec<Factor> {
                 ..case.clone()
             }
         }),
-        numbers("Gain k_x", &grid.k_x, "1/s", 1.0, |case, k_x| Cell {
+        numbers("Gain k_x", &grid.k_x, "s⁻¹", 1.0, |case, k_x| Cell {
             k_x,
             ..case.clone()
         }),
@@ -164,12 +164,13 @@ fn of_factor(study: &Study, case: &Cell, factor: &Factor) -> Markup {
         ends.extend(errors.last().map(|&end| (end, ink, *name)));
     }
     // Names of lines that end close to each other are set apart.
-    ends.sort_by(|a, b| a.0.1.total_cmp(&b.0.1));
+    ends.sort_by(|a, b| b.0.1.total_cmp(&a.0.1));
     let least = LABEL_SHARE * (scale.high - scale.low);
-    let mut above = f64::NEG_INFINITY;
+    let mut highest = scale.high;
     for ((x, y), ink, name) in ends {
-        above = y.max(above + least);
-        frame = frame.label(ink, [x, above], name);
+        let own = y.min(highest);
+        highest = own - least;
+        frame = frame.label(ink, [x, own], name);
     }
     card(None, factor.name, "", &frame.markup(), "")
 }

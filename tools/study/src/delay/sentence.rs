@@ -65,7 +65,7 @@ impl Cell {
         };
         let mut words = vec![
             self.protocol.clone(),
-            format!("k_x {} 1/s", self.k_x),
+            format!("k_x = {} s⁻¹", self.k_x),
             limit,
         ];
         if self.jitter_s > 0.0 {
