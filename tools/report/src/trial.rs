@@ -6,8 +6,9 @@ use slipstream_trial::own::OwnReport;
 use slipstream_trial::part::TrialPart;
 use slipstream_trial::tally::{DetectionRate, NuisanceCounts, ScoredCase, TrialReport};
 
+use crate::effect_words::{name, scale_of, unit_of};
 use crate::parts::{
-    Cell, Frame, Icon, Ink, Page, Scale, Tone, capital, fixed, short, table, verdict,
+    Cell, Frame, Icon, Ink, Page, Scale, Tone, capital, fixed, short, table, verdict, with_unit,
 };
 
 /// The HTML file.
@@ -25,9 +26,10 @@ pub fn page(report: &TrialReport, command_line: &str) -> String {
             ),
         ),
     };
+    let planned = report.part.as_ref().map(TrialPart::count);
     let facts = format!(
         "{} · {} without a concealed effect · {} commitments",
-        count(report, "cases"),
+        count(report, planned, "cases"),
         report.nulls,
         report.commitments.len()
     );
@@ -82,10 +84,14 @@ pub fn own_page(report: &OwnReport, command_line: &str) -> String {
         0 => (Tone::Good, Icon::Tick, "Nothing false".to_owned()),
         _ => (Tone::Bad, Icon::Half, format!("{bad} false")),
     };
-    let facts = format!("{} of {}", count(trial, "copies"), report.on);
+    let facts = format!(
+        "{} of {}",
+        count(trial, Some(report.planned), "copies"),
+        report.on
+    );
     let lead = html! {
-        "Known changes were put into copies of the recording, none into " (trial.nulls) " of them; each copy was diagnosed against the "
-        "original." (durations(trial))
+        "Known changes were put into copies of the recording; " (trial.nulls) " copies are without one. Each copy was diagnosed "
+        "against the original." (durations(trial))
     };
     let body = html! {
         (verdict(tone, icon, &chip, &facts, &found, &lead))
@@ -116,10 +122,9 @@ pub fn own_page(report: &OwnReport, command_line: &str) -> String {
     page.html()
 }
 
-/// How many cases there are, and of how many if it was interrupted.
-fn count(report: &TrialReport, what: &str) -> String {
-    let all = report.part.as_ref().map(TrialPart::count);
-    match (report.interrupted, all) {
+/// How many cases there are, and of how many that were planned if it was interrupted.
+fn count(report: &TrialReport, planned: Option<usize>, what: &str) -> String {
+    match (report.interrupted, planned) {
         (false, _) => format!("{} {what}", report.cases),
         (true, Some(all)) => format!("interrupted after {} of {all} {what}", report.cases),
         (true, None) => format!("interrupted after {} {what}", report.cases),
@@ -152,27 +157,28 @@ fn own_sentence(report: &OwnReport) -> String {
 
 fn detectable(report: &OwnReport) -> Markup {
     let rows = report.detectable.iter().map(|own| {
-        let tried: Vec<String> = own
-            .tried
-            .iter()
-            .map(|(size, found)| {
-                format!(
-                    "{} {}",
-                    short(*size),
-                    if *found { "found" } else { "not found" }
-                )
-            })
-            .collect();
-        let smallest = own.smallest.map_or("–".to_owned(), short);
+        let native = unit_of(&own.effect, &own.parameter);
+        let (factor, unit) = scale_of(&own.effect, &own.parameter, native, None);
+        let size = |value: f64| with_unit(&short(factor * value), unit);
+        let tried = own.tried.iter().map(|(value, found)| {
+            let outcome = if *found { "found" } else { "not found" };
+            format!("{} {outcome}", size(*value))
+        });
+        let smallest = own.smallest.map_or("–".to_owned(), size);
         vec![
-            Cell::text(&own.effect),
-            Cell::text(&own.parameter),
+            Cell::text(name(&own.effect)),
+            Cell::text(format!("{} {}", own.effect, own.parameter)),
             Cell::number(own.smallest.unwrap_or(f64::INFINITY), smallest),
-            Cell::text(tried.join(", ")),
+            Cell::text(tried.collect::<Vec<_>>().join(", ")),
         ]
     });
     let rows: Vec<Vec<Cell>> = rows.collect();
-    let heads = ["Effect", "Parameter", "Found from", "Sizes that were tried"];
+    let heads = [
+        "Effect",
+        "Parameter",
+        "Found from",
+        "Changes that were tried",
+    ];
     table("Changes by effect", &heads, &rows)
 }
 

@@ -5,7 +5,7 @@ use slipstream_answer::{Figures, Finding, LawCurve, Profile};
 use slipstream_bus::RobotModel;
 
 use super::diagnosis::Diagnosis;
-use super::words::{Shown, driver, name, scale_of, shown, unit_of};
+use crate::effect_words::{Shown, driver, name, scale_of, shown, unit_of};
 use crate::parts::{Frame, Ink, Points, Scale, card, short, with_unit};
 
 /// Height of a picture (pixels).

@@ -5,7 +5,7 @@ use slipstream_answer::{ErrorLine, Figures, Finding};
 
 use super::cards;
 use super::diagnosis::Diagnosis;
-use super::words::name;
+use crate::effect_words::name;
 use crate::parts::{
     Frame, Ink, Points, Row, Rows, Scale, capital, columns_of, gap_of, short, shown_unit,
 };

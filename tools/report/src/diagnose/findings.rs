@@ -5,7 +5,7 @@ use slipstream_answer::{Answer, Finding};
 
 use super::diagnosis::{Diagnosis, listed};
 use super::errors::unexplained;
-use super::words::{Shown, all_shown, name};
+use crate::effect_words::{Shown, all_shown, name};
 use crate::parts::{badge, capital, fixed, glyph, short, shown_unit, with_unit};
 
 /// The table; empty where nothing was found and nothing is left.

@@ -7,7 +7,7 @@ use super::diagnosis::Diagnosis;
 use super::errors::{Error, errors, unexplained};
 use super::findings::findings;
 use super::ready::ready;
-use super::words::name;
+use crate::effect_words::name;
 use crate::parts::{
     BudgetRow, Frame, Icon, Ink, Part, PartKind, Tone, budget, capital, fixed, floor_scales, short,
     shown_unit, verdict, with_unit,

@@ -3,7 +3,7 @@
 use slipstream_answer::Finding;
 use slipstream_bus::RobotModel;
 
-use super::words::{Shown, driver, shown};
+use crate::effect_words::{Shown, driver, shown};
 use crate::parts::{fixed, short, with_unit};
 
 /// Parameters of a finding in words, and of all findings that are told together with it.
@@ -290,7 +290,7 @@ fn mounting(x: Option<&Shown>, y: Option<&Shown>, yaw: Option<&Shown>) -> String
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::words::name;
+    use crate::effect_words::name;
     use slipstream_answer::ParameterEstimate;
     use slipstream_sim::effects::CATALOGUE;
 

@@ -6,7 +6,7 @@ use super::diagnosis::Diagnosis;
 use super::errors::errors;
 use super::findings::taken;
 use super::first_screen::chip;
-use super::words::{all_shown, name};
+use crate::effect_words::{all_shown, name};
 use crate::parts::{fixed, short, with_unit};
 
 /// The findings as Markdown, for a pull request.

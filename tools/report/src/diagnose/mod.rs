@@ -12,7 +12,6 @@ mod headline;
 mod markdown;
 mod ready;
 mod ruled_out;
-mod words;
 
 use std::fmt::Write as _;
 
@@ -24,7 +23,6 @@ use crate::parts::{Fact, Page};
 pub use diagnosis::Diagnosis;
 pub use first_screen::first_screen;
 pub use headline::headline;
-pub use words::name;
 
 /// Robots whose evidence is drawn; more are told in a sentence.
 const DRAWN: usize = 12;

@@ -5,7 +5,7 @@ use slipstream_answer::{Figures, Finding, Limit, Seen, manoeuvre};
 use slipstream_bus::RobotModel;
 
 use super::diagnosis::Diagnosis;
-use super::words::{driver, name, scale_of};
+use crate::effect_words::{driver, name, scale_of};
 use crate::parts::{DotRow, badge, dot_table, short, shown_unit, with_unit};
 
 /// Rows that are shown at once; the others can be opened.

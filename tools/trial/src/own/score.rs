@@ -30,6 +30,8 @@ pub struct OwnReport {
     pub trial: TrialReport,
     /// The recording.
     pub on: String,
+    /// Copies that were to be diagnosed: as many as there are cases, unless it was interrupted.
+    pub planned: usize,
     /// What would be found, and down to which size.
     pub detectable: Vec<Detectable>,
     /// Copies with a change that was missed and that their diagnosis calls too small to be seen.
@@ -83,6 +85,7 @@ pub fn score(on: &str, cases: &[OwnCase], answers: Vec<DiagnosisRun>) -> OwnRepo
             ..tally(each, Vec::new(), None)
         },
         on: on.to_owned(),
+        planned: cases.len(),
         detectable,
         out_of_sight,
     }

@@ -7,30 +7,30 @@ use crate::parts::{digits_of, fixed, interval, with_unit};
 
 /// A parameter as a person reads it.
 #[derive(Debug, Clone)]
-pub(super) struct Shown {
-    pub(super) label: &'static str,
+pub(crate) struct Shown {
+    pub(crate) label: &'static str,
     /// What the model has; none where nothing stands for "without it".
-    pub(super) was: Option<f64>,
-    pub(super) is: f64,
-    pub(super) interval: [f64; 2],
-    pub(super) unit: &'static str,
-    pub(super) digits: usize,
+    pub(crate) was: Option<f64>,
+    pub(crate) is: f64,
+    pub(crate) interval: [f64; 2],
+    pub(crate) unit: &'static str,
+    pub(crate) digits: usize,
 }
 
 impl Shown {
     /// What the model has, with its unit.
-    pub(super) fn was_words(&self) -> Option<String> {
+    pub(crate) fn was_words(&self) -> Option<String> {
         let was = self.was?;
         Some(with_unit(&fixed(was, self.digits.min(3)), self.unit))
     }
 
     /// The estimate with its unit.
-    pub(super) fn is_words(&self) -> String {
+    pub(crate) fn is_words(&self) -> String {
         with_unit(&fixed(self.is, self.digits), self.unit)
     }
 
     /// The interval.
-    pub(super) fn interval_words(&self) -> String {
+    pub(crate) fn interval_words(&self) -> String {
         interval(self.interval[0], self.interval[1], self.digits)
     }
 }
@@ -159,14 +159,14 @@ fn scaled(label: &'static str, size: Option<f64>, unit: &'static str) -> Display
 }
 
 /// Units of the catalogue, as static text.
-pub(super) fn unit_of(effect: &str, parameter: &str) -> &'static str {
+pub(crate) fn unit_of(effect: &str, parameter: &str) -> &'static str {
     let info = slipstream_sim::effects::find(effect);
     let own = info.and_then(|info| info.parameter(parameter));
     own.map_or("1", |own| own.unit)
 }
 
 /// How sizes of a parameter in this unit are shown: factor and unit.
-pub(super) fn scale_of(
+pub(crate) fn scale_of(
     effect: &str,
     parameter: &str,
     unit: &'static str,
@@ -184,7 +184,7 @@ pub(super) fn scale_of(
 }
 
 /// A parameter as a person reads it; none for words and for what has no estimate.
-pub(super) fn shown(
+pub(crate) fn shown(
     effect: &str,
     parameter: &ParameterEstimate,
     model: Option<&RobotModel>,
@@ -203,7 +203,7 @@ pub(super) fn shown(
 }
 
 /// What a law depends on: words and unit.
-pub(super) fn driver(id: &str) -> (&'static str, &'static str) {
+pub(crate) fn driver(id: &str) -> (&'static str, &'static str) {
     match id {
         "t" => ("time", "s"),
         "v" => ("speed", "m/s"),
@@ -219,7 +219,7 @@ pub(super) fn driver(id: &str) -> (&'static str, &'static str) {
 }
 
 /// The parameters of a finding that are numbers, as a person reads them.
-pub(super) fn all_shown(finding: &Finding, model: Option<&RobotModel>) -> Vec<Shown> {
+pub(crate) fn all_shown(finding: &Finding, model: Option<&RobotModel>) -> Vec<Shown> {
     let parameters = finding.parameters.iter();
     let shown = parameters.filter_map(|own| shown(&finding.effect, own, model));
     shown.collect()
