@@ -5,6 +5,7 @@ pub(crate) mod compose;
 mod definitions;
 mod encoding;
 mod layout;
+#[expect(unreachable_pub, reason = "other packages will read them")]
 pub(crate) mod messages;
 mod numbers;
 pub(crate) mod position;
