@@ -9,8 +9,8 @@ mod file;
 mod folder;
 mod lock;
 
-pub use beside::remove_unfinished;
-pub(crate) use beside::{temporary_file, unnamed_file};
+pub(crate) use beside::temporary_file;
+pub use beside::{remove_unfinished, unnamed_file};
 pub use file::{OutputFile, write_file};
 pub use folder::OutputFolder;
 pub use lock::lock_recording;

@@ -3,10 +3,10 @@
 use super::messages::{self as ros, Header, Pose, Quaternion, Time, Twist, Vector3};
 
 /// Name of the frame in which poses are given.
-pub(crate) const WORLD: &str = "world";
+pub const WORLD: &str = "world";
 
 /// Header with this time stamp (ns).
-pub(crate) fn header(t_ns: i64, frame_id: &str) -> Header<&str> {
+pub fn header(t_ns: i64, frame_id: &str) -> Header<&str> {
     Header {
         stamp: Time::from_ns(t_ns),
         frame_id,
@@ -14,10 +14,10 @@ pub(crate) fn header(t_ns: i64, frame_id: &str) -> Header<&str> {
 }
 
 /// Names of the wheel joints, [right, left].
-pub(crate) const JOINTS: [&str; 2] = ["wheel_right", "wheel_left"];
+pub const JOINTS: [&str; 2] = ["wheel_right", "wheel_left"];
 
 /// Joint state of both wheels: angles (rad), speeds (rad/s), torques (N m). A list may be empty.
-pub(crate) fn joint_state<'a>(
+pub fn joint_state<'a>(
     t_ns: i64,
     position: &'a [f64],
     velocity: &'a [f64],
@@ -33,7 +33,7 @@ pub(crate) fn joint_state<'a>(
 }
 
 /// IMU message. A covariance of -1 marks the orientation as not measured (ROS convention).
-pub(crate) fn imu(t_ns: i64, [ax_m_s2, ay_m_s2, gz_rad_s]: [f64; 3]) -> ros::Imu<&'static str> {
+pub fn imu(t_ns: i64, [ax_m_s2, ay_m_s2, gz_rad_s]: [f64; 3]) -> ros::Imu<&'static str> {
     let mut not_measured = [0.0; 9];
     not_measured[0] = -1.0;
     ros::Imu {
@@ -48,7 +48,7 @@ pub(crate) fn imu(t_ns: i64, [ax_m_s2, ay_m_s2, gz_rad_s]: [f64; 3]) -> ros::Imu
 }
 
 /// A robot's pose in the world, and its velocity in the body frame.
-pub(crate) fn odometry(
+pub fn odometry(
     t_ns: i64,
     robot: &str,
     [x_m, y_m, yaw_rad]: [f64; 3],

@@ -7,17 +7,17 @@ use crate::listener::Announced;
 
 /// A channel of a file: a topic with its type.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct ChannelInfo {
+pub struct ChannelInfo {
     /// Name of the topic.
-    pub(crate) topic: String,
+    pub topic: String,
     /// Name of the message type, such as `sensor_msgs/msg/Imu`; empty if there is none.
-    pub(crate) schema: String,
+    pub schema: String,
     /// Encoding of the messages, such as `cdr`.
-    pub(crate) encoding: String,
+    pub encoding: String,
     /// Encoding and bytes of the definition of the type.
-    pub(crate) definition: Arc<(String, Vec<u8>)>,
+    pub definition: Arc<(String, Vec<u8>)>,
     /// Names and values.
-    pub(crate) metadata: BTreeMap<String, String>,
+    pub metadata: BTreeMap<String, String>,
 }
 
 /// The type of a channel: its name, and its definition with its encoding.
@@ -63,39 +63,55 @@ pub(super) fn ros2_name(name: &str) -> String {
 }
 
 /// An item of a file, in file order.
-pub(crate) enum Item<'a> {
+pub enum Item<'a> {
     /// A channel, before its messages.
     Channel {
+        /// Its number.
         id: u32,
+        /// What it is.
         channel: &'a Arc<ChannelInfo>,
     },
     /// A message of the channel `id` (ids may be sparse).
     Message {
+        /// Number of its channel.
         id: u32,
+        /// Its channel.
         channel: &'a Arc<ChannelInfo>,
+        /// When it was recorded (ns).
         log_time_ns: u64,
+        /// The encoded message.
         data: &'a [u8],
     },
     /// Messages of a channel that is not wanted.
     Unwanted {
+        /// Their channel.
         channel: &'a Arc<ChannelInfo>,
+        /// How many there are.
         messages: u64,
     },
     /// An attached file.
-    Attachment { name: &'a str, data: &'a [u8] },
+    Attachment {
+        /// Its name.
+        name: &'a str,
+        /// Its content.
+        data: &'a [u8],
+    },
     /// A record of names and values; only its own name is read.
-    Metadata { name: &'a str },
+    Metadata {
+        /// Its name.
+        name: &'a str,
+    },
 }
 
 /// Whether the visitor could decode an item.
-pub(crate) type VisitResult = Result<(), Undecodable>;
+pub type VisitResult = Result<(), Undecodable>;
 
 /// The visitor could not decode the item.
 #[derive(Debug)]
-pub(crate) struct Undecodable;
+pub struct Undecodable;
 
 /// Whoever wants the items of a bag.
-pub(crate) type Visit<'a> = dyn FnMut(Item<'_>) -> VisitResult + 'a;
+pub type Visit<'a> = dyn FnMut(Item<'_>) -> VisitResult + 'a;
 
 /// Whether the messages of a topic are wanted.
-pub(crate) type Wanted<'a> = dyn Fn(&ChannelInfo) -> bool + 'a;
+pub type Wanted<'a> = dyn Fn(&ChannelInfo) -> bool + 'a;

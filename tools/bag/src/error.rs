@@ -63,7 +63,7 @@ fn cause(error: &io::Error) -> String {
 }
 
 /// Converts an I/O error into [`Error::Write`] for `path`.
-pub(crate) fn write_error(path: &Path) -> impl FnOnce(io::Error) -> Error {
+pub fn write_error(path: &Path) -> impl FnOnce(io::Error) -> Error {
     let path = path.to_owned();
     move |source| Error::Write { path, source }
 }

@@ -26,7 +26,7 @@ use super::summary::Summary;
 ///
 /// # Errors
 /// If it is not an MCAP file, or reading fails. Damage is not an error but a [`Loss`].
-pub(crate) fn read_bag(
+pub fn read_bag(
     source: impl Read,
     size: u64,
     path: &Path,

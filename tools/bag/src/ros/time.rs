@@ -1,12 +1,12 @@
 //! Conversion between seconds in floating point and the whole nanoseconds of a bag.
 
 /// Seconds to the nearest nanosecond, clamped to the range of `i64` (292 years).
-pub(crate) fn ns_from_s(t_s: f64) -> i64 {
+pub fn ns_from_s(t_s: f64) -> i64 {
     (t_s * 1e9).round() as i64
 }
 
 /// The floating-point number nearest to this time in seconds, as parsing its decimal text gives it.
-pub(crate) fn s_from_ns(t_ns: i64) -> f64 {
+pub fn s_from_ns(t_ns: i64) -> f64 {
     /// Integers up to 2^53 are exact in floating point, so that the division rounds only once.
     const LARGEST_EXACT: u64 = 1 << 53;
     if t_ns.unsigned_abs() <= LARGEST_EXACT {
@@ -18,7 +18,7 @@ pub(crate) fn s_from_ns(t_ns: i64) -> f64 {
 }
 
 /// Whether a time (s) round-trips through a ROS time stamp bit for bit.
-pub(crate) fn is_whole_ns(t_s: f64) -> bool {
+pub fn is_whole_ns(t_s: f64) -> bool {
     let t_ns = ns_from_s(t_s);
     let stamp = super::messages::Time::from_ns(t_ns);
     stamp.ns() == t_ns && s_from_ns(t_ns).to_bits() == t_s.to_bits()

@@ -9,7 +9,7 @@ const MOST_FIELDS: usize = 4096;
 
 /// The fields of a message type and of all types that it contains.
 #[derive(Debug)]
-pub(crate) struct Layout {
+pub struct Layout {
     /// The fields of each type; the message itself is the first.
     pub(super) types: Vec<Vec<Field>>,
 }
@@ -65,7 +65,7 @@ struct Section<'a> {
 impl Layout {
     /// Parses a definition of the type `name` (such as `std_msgs/msg/Int32`), in the form of ROS 1 or ROS 2. `None` if it is
     /// none, contains a type that it does not define, or is too long.
-    pub(crate) fn parse(name: &str, text: &str) -> Option<Self> {
+    pub fn parse(name: &str, text: &str) -> Option<Self> {
         if text.len() > MOST_BYTES {
             return None;
         }
@@ -95,14 +95,14 @@ impl Layout {
     }
 
     /// The layout of a type that needs no definition: one number of `std_msgs`.
-    pub(crate) fn known(name: &str) -> Option<Self> {
+    pub fn known(name: &str) -> Option<Self> {
         let number = name.strip_prefix("std_msgs/msg/")?.to_lowercase();
         number_of(&number)?;
         Self::parse(name, &format!("{number} data"))
     }
 
     /// Whether it has a list of bytes that is called `data`, as images and compressed messages have.
-    pub(crate) fn has_raw_data(&self) -> bool {
+    pub fn has_raw_data(&self) -> bool {
         let is_raw = |field: &Field| {
             let are_bytes = matches!(field.kind, Kind::Whole { bytes: 1, .. });
             field.count == Count::Any && are_bytes && field.name == "data"

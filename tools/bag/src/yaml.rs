@@ -11,17 +11,23 @@ const MAX_DEPTH: usize = 64;
 
 /// A value with its line.
 #[derive(Debug)]
-pub(crate) struct Node {
+pub struct Node {
     /// The line, counted from 1.
-    pub(crate) line: u64,
+    pub line: u64,
     /// The value.
-    pub(crate) value: Value,
+    pub value: Value,
 }
 
+/// What a node is.
 #[derive(Debug)]
-pub(crate) enum Value {
-    /// A scalar, and whether it stands without quotes.
-    Scalar { text: String, plain: bool },
+pub enum Value {
+    /// A scalar.
+    Scalar {
+        /// Its text.
+        text: String,
+        /// Whether it stands without quotes.
+        plain: bool,
+    },
     /// A list.
     List(Vec<Node>),
     /// Keys with their values, in the order of the file.
@@ -32,7 +38,7 @@ pub(crate) enum Value {
 
 impl Value {
     /// What it is, with its article.
-    pub(crate) fn kind(&self) -> &'static str {
+    pub fn kind(&self) -> &'static str {
         match self {
             Self::Scalar { .. } => "a string",
             Self::List(_) => "a list",
@@ -44,7 +50,7 @@ impl Value {
 
 impl Node {
     /// The value of a key, if this is a table that has it.
-    pub(crate) fn get(&self, key: &str) -> Option<&Self> {
+    pub fn get(&self, key: &str) -> Option<&Self> {
         let Value::Map(entries) = &self.value else {
             return None;
         };
@@ -66,7 +72,7 @@ struct Open {
 ///
 /// # Errors
 /// If it is not YAML, is nested too deeply, or a table has a key twice, with the line.
-pub(crate) fn parse(text: &str, path: &Path) -> Result<Vec<Node>, InputError> {
+pub fn parse(text: &str, path: &Path) -> Result<Vec<Node>, InputError> {
     let mut tree = Tree {
         path,
         open: Vec::new(),

@@ -12,11 +12,11 @@ use super::item::{Item, Undecodable, Visit, VisitResult, Wanted};
 use super::loss::Loss;
 use super::summary::Summary;
 use super::{mcap as mcap_file, ros1, sqlite, wpilog};
-use crate::git_lfs::refuse_pointer;
 use crate::output::temporary_file;
+use crate::text_file::refuse_pointer;
 
 /// A bag that can be read from its beginning as often as needed.
-pub(crate) trait Bag {
+pub trait Bag {
     /// Reads the whole bag and calls `visit` with each item; of topics that are not wanted, messages are only counted.
     /// Returns what could not be read.
     ///
@@ -27,7 +27,7 @@ pub(crate) trait Bag {
 
 /// What holds the messages of a bag.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Container {
+pub enum Container {
     /// MCAP.
     Mcap,
     /// An SQLite database.
@@ -63,7 +63,7 @@ impl Container {
 ///
 /// # Errors
 /// If the operating system does not read it.
-pub(crate) fn is_bag(path: &Path) -> Result<bool, InputError> {
+pub fn is_bag(path: &Path) -> Result<bool, InputError> {
     let (file, _) = open_file(path)?;
     let head = head(file).map_err(|e| InputError::unreadable(path, &e))?;
     let magics = [mcap::MAGIC, ZSTD_MAGIC];
@@ -73,10 +73,10 @@ pub(crate) fn is_bag(path: &Path) -> Result<bool, InputError> {
 
 /// A file with a bag.
 #[derive(Debug)]
-pub(crate) struct BagFile {
+pub struct BagFile {
     path: PathBuf,
     /// What the file holds, once it is decompressed.
-    pub(crate) container: Container,
+    pub container: Container,
     /// Whether the file as a whole is compressed (Zstandard).
     is_compressed: bool,
 }
@@ -86,7 +86,7 @@ impl BagFile {
     ///
     /// # Errors
     /// If the operating system does not read it, or it is a pointer of Git LFS.
-    pub(crate) fn open(path: &Path) -> Result<Self, InputError> {
+    pub fn open(path: &Path) -> Result<Self, InputError> {
         let (file, _) = open_file(path)?;
         let head = head(file).map_err(|e| InputError::unreadable(path, &e))?;
         refuse_pointer(&head, path)?;
@@ -104,12 +104,12 @@ impl BagFile {
     }
 
     /// The file.
-    pub(crate) fn path(&self) -> &Path {
+    pub fn path(&self) -> &Path {
         &self.path
     }
 
     /// The decompressed bytes of the file, and how many there are: at least so many, if it is compressed.
-    pub(crate) fn source(&self) -> Result<(Box<dyn Read>, u64), InputError> {
+    pub fn source(&self) -> Result<(Box<dyn Read>, u64), InputError> {
         let (file, size) = open_file(&self.path)?;
         if !self.is_compressed {
             return Ok((Box::new(file), size));
@@ -120,7 +120,7 @@ impl BagFile {
     }
 
     /// The index of an MCAP file; `None` if it has none.
-    pub(crate) fn summary(&self) -> Option<Summary> {
+    pub fn summary(&self) -> Option<Summary> {
         let (mut file, _) = open_file(&self.path).ok()?;
         (self.container == Container::Mcap && !self.is_compressed)
             .then(|| Summary::read(&mut file))
@@ -165,14 +165,16 @@ impl Bag for BagFile {
 
 /// A bag in memory; `path` is used in errors only.
 #[derive(Debug)]
-pub(crate) struct BagBytes<'a> {
-    pub(crate) content: &'a [u8],
-    pub(crate) path: &'a Path,
+pub struct BagBytes<'a> {
+    /// All bytes.
+    pub content: &'a [u8],
+    /// What errors call it.
+    pub path: &'a Path,
 }
 
 impl BagBytes<'_> {
     /// What the bytes hold.
-    pub(crate) fn container(&self) -> Container {
+    pub fn container(&self) -> Container {
         Container::of(self.content)
     }
 }
@@ -197,7 +199,7 @@ impl Bag for BagBytes<'_> {
 ///
 /// # Errors
 /// If it is not an MCAP file, or reading fails.
-pub(crate) fn read_growing(
+pub fn read_growing(
     source: impl Read,
     path: &Path,
     visit: &mut Visit<'_>,

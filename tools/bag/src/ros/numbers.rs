@@ -10,21 +10,22 @@ const MOST_DEPTH: usize = 16;
 
 /// A number in a message.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Number {
-    pub(crate) value: f64,
+pub struct Number {
+    /// What it is.
+    pub value: f64,
     /// Whether its type has whole numbers alone.
-    pub(crate) is_whole: bool,
+    pub is_whole: bool,
 }
 
 /// Whoever takes the numbers: path, such as `header.stamp.sec` or `data[0]`, and value.
-pub(crate) type Take<'a> = dyn FnMut(&str, Number) + 'a;
+pub type Take<'a> = dyn FnMut(&str, Number) + 'a;
 
 impl Layout {
     /// Calls `take` with each number of a message. Time is bounded by the length of the message.
     ///
     /// # Errors
     /// If the bytes are not a message of this type.
-    pub(crate) fn numbers(
+    pub fn numbers(
         &self,
         encoding: Encoding,
         bytes: &[u8],
@@ -55,7 +56,7 @@ impl Layout {
     }
 
     /// The paths of all fields with numbers; of lists, that of the list. At most a thousand.
-    pub(crate) fn number_paths(&self) -> Vec<String> {
+    pub fn number_paths(&self) -> Vec<String> {
         let mut paths = Paths {
             found: Vec::new(),
             steps_left: MOST_STEPS,

@@ -1,7 +1,7 @@
 //! Position message between robots: as plain data, and as its ROS 2 message.
 
-use super::compose::{WORLD, header};
-use super::messages as ros;
+use slipstream_bag::ros::compose::{WORLD, header};
+use slipstream_bag::ros::messages as ros;
 
 /// Delivery status of a position message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 
 /// A message type that slipstream writes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum MessageType {
+#[expect(missing_docs, reason = "the name of the type says what it is")]
+pub enum MessageType {
     JointState,
     PoseStamped,
     TwistStamped,
@@ -24,7 +25,7 @@ pub(crate) enum MessageType {
 
 impl MessageType {
     /// Name of the type in ROS 2.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Self::JointState => "sensor_msgs/msg/JointState",
             Self::PoseStamped => "geometry_msgs/msg/PoseStamped",
@@ -45,7 +46,7 @@ impl MessageType {
     }
 
     /// The definition of this type and of all types that it contains, in the `ros2msg` encoding.
-    pub(crate) fn schema(self) -> String {
+    pub fn schema(self) -> String {
         let mut seen = vec![self.name().replace("/msg/", "/")];
         let mut text = String::new();
         let mut next = 0;

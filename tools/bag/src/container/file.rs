@@ -13,7 +13,7 @@ const BUFFER_BYTES: usize = 1 << 18;
 ///
 /// # Errors
 /// If the operating system does not open it.
-pub(crate) fn open_file(path: &Path) -> Result<(BufReader<File>, u64), InputError> {
+pub fn open_file(path: &Path) -> Result<(BufReader<File>, u64), InputError> {
     let unreadable = |e: std::io::Error| InputError::unreadable(path, &e);
     let file = File::open(path).map_err(unreadable)?;
     let size = file.metadata().map_err(unreadable)?.len();

@@ -98,7 +98,10 @@ pub(crate) fn temporary_file() -> io::Result<(File, TemporaryName)> {
 }
 
 /// A temporary file without a name, which vanishes with the process.
-pub(crate) fn unnamed_file() -> io::Result<File> {
+///
+/// # Errors
+/// If the operating system does not create it.
+pub fn unnamed_file() -> io::Result<File> {
     temporary_file().map(|(file, _)| file)
 }
 

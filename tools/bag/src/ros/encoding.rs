@@ -7,7 +7,7 @@ use super::{cdr, ros1};
 
 /// How the messages of a topic are encoded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Encoding {
+pub enum Encoding {
     /// CDR, of ROS 2.
     Cdr,
     /// That of ROS 1, whose headers begin with a sequence number; WPILib's packed values, which have no header, are the
@@ -25,7 +25,7 @@ struct Sequenced<T> {
 
 impl Encoding {
     /// The encoding that a bag calls so; `None` for others.
-    pub(crate) fn of(name: &str) -> Option<Self> {
+    pub fn of(name: &str) -> Option<Self> {
         match name {
             "cdr" => Some(Self::Cdr),
             "ros1" | "wpilog" => Some(Self::Ros1),
@@ -37,7 +37,7 @@ impl Encoding {
     ///
     /// # Errors
     /// If the bytes are not a message of this type.
-    pub(crate) fn decode<'a, T: Deserialize<'a>>(self, bytes: &'a [u8]) -> Result<T, String> {
+    pub fn decode<'a, T: Deserialize<'a>>(self, bytes: &'a [u8]) -> Result<T, String> {
         match self {
             Self::Cdr => cdr::decode(bytes),
             Self::Ros1 => ros1::decode(bytes),
@@ -48,10 +48,7 @@ impl Encoding {
     ///
     /// # Errors
     /// If the bytes are not a message of this type.
-    pub(crate) fn decode_stamped<'a, T: Deserialize<'a>>(
-        self,
-        bytes: &'a [u8],
-    ) -> Result<T, String> {
+    pub fn decode_stamped<'a, T: Deserialize<'a>>(self, bytes: &'a [u8]) -> Result<T, String> {
         match self {
             Self::Cdr => cdr::decode(bytes),
             Self::Ros1 => ros1::decode(bytes).map(|message: Sequenced<T>| message.part),
@@ -62,10 +59,7 @@ impl Encoding {
     ///
     /// # Errors
     /// If the bytes are not such a message.
-    pub(crate) fn decode_transforms(
-        self,
-        bytes: &[u8],
-    ) -> Result<Vec<TransformStamped<String>>, String> {
+    pub fn decode_transforms(self, bytes: &[u8]) -> Result<Vec<TransformStamped<String>>, String> {
         match self {
             Self::Cdr => {
                 let message: TfMessage<Vec<TransformStamped<String>>> = cdr::decode(bytes)?;

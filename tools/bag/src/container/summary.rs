@@ -15,11 +15,11 @@ const MOST_BYTES: u64 = 64 << 20;
 
 /// What the end of a file says about it.
 #[derive(Debug, Default)]
-pub(crate) struct Summary {
+pub struct Summary {
     /// Channels by their id.
-    pub(crate) channels: BTreeMap<u16, Arc<ChannelInfo>>,
+    pub channels: BTreeMap<u16, Arc<ChannelInfo>>,
     /// Names of the records of names and values.
-    pub(crate) metadata: Vec<String>,
+    pub metadata: Vec<String>,
     /// Where each chunk begins, and the channels whose messages it has.
     pub(super) chunks: BTreeMap<u64, Vec<u16>>,
 }

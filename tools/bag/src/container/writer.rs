@@ -21,10 +21,10 @@ const CHUNK_BYTES: u64 = 768 * 1024;
 
 /// A channel of the file being written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Channel(u16);
+pub struct Channel(u16);
 
 /// An MCAP file being written.
-pub(crate) struct BagWriter<'a> {
+pub struct BagWriter<'a> {
     path: PathBuf,
     /// One type for every sink, so that the writer is compiled once.
     file: mcap::Writer<NoSeek<Box<dyn Write + Send + 'a>>>,
@@ -39,7 +39,7 @@ pub(crate) struct BagWriter<'a> {
 
 impl<'a> BagWriter<'a> {
     /// Writes to `sink`; `path` is used in errors only.
-    pub(crate) fn new(sink: impl Write + Send + 'a, path: &Path) -> Result<Self> {
+    pub fn new(sink: impl Write + Send + 'a, path: &Path) -> Result<Self> {
         let sink: Box<dyn Write + Send + 'a> = Box::new(sink);
         let options = WriteOptions::new()
             .profile("ros2")
@@ -60,13 +60,12 @@ impl<'a> BagWriter<'a> {
     }
 
     /// From now on, `listener` has every channel and every message.
-    pub(crate) fn listen(&mut self, listener: Box<dyn Listener + Send>) {
+    pub fn listen(&mut self, listener: Box<dyn Listener + Send>) {
         self.listener = Some(listener);
     }
 
-    /// Adds a channel. `metadata` says which stream slipstream reads from it, see
-    /// [`StreamMetadata`](crate::topics::StreamMetadata).
-    pub(crate) fn channel(
+    /// Adds a channel. `metadata` is for who reads it: names and values.
+    pub fn channel(
         &mut self,
         topic: &str,
         message_type: MessageType,
@@ -94,12 +93,7 @@ impl<'a> BagWriter<'a> {
 
     /// Writes a message with its log time (ns). Negative log times become 0; the stamp in the message
     /// is not changed.
-    pub(crate) fn write<T: Serialize>(
-        &mut self,
-        channel: Channel,
-        t_ns: i64,
-        message: &T,
-    ) -> Result<()> {
+    pub fn write<T: Serialize>(&mut self, channel: Channel, t_ns: i64, message: &T) -> Result<()> {
         cdr::encode(message, &mut self.buffer).map_err(|e| Error::WriteMcap {
             path: self.path.clone(),
             message: e.to_string(),
@@ -127,7 +121,7 @@ impl<'a> BagWriter<'a> {
     }
 
     /// Attaches a file.
-    pub(crate) fn attach(&mut self, name: &str, media_type: &str, data: &[u8]) -> Result<()> {
+    pub fn attach(&mut self, name: &str, media_type: &str, data: &[u8]) -> Result<()> {
         let attachment = Attachment {
             log_time: 0,
             create_time: 0,
@@ -141,7 +135,7 @@ impl<'a> BagWriter<'a> {
     }
 
     /// Writes a record of names and values.
-    pub(crate) fn metadata(&mut self, name: &str, values: BTreeMap<String, String>) -> Result<()> {
+    pub fn metadata(&mut self, name: &str, values: BTreeMap<String, String>) -> Result<()> {
         let metadata = Metadata {
             name: name.to_owned(),
             metadata: values,
@@ -152,12 +146,12 @@ impl<'a> BagWriter<'a> {
     }
 
     /// Closes the chunk and passes it to the operating system: it survives the end of this process.
-    pub(crate) fn flush(&mut self) -> Result<()> {
+    pub fn flush(&mut self) -> Result<()> {
         self.file.flush().map_err(|e| mcap_error(&self.path, e))
     }
 
     /// Leaves the file as it is after a flush, without an index.
-    pub(crate) fn leave(mut self) -> Result<()> {
+    pub fn leave(mut self) -> Result<()> {
         self.flush()?;
         // Dropped, it would write the index.
         drop(self.file.into_inner());
@@ -165,7 +159,7 @@ impl<'a> BagWriter<'a> {
     }
 
     /// Writes the index and closes the file.
-    pub(crate) fn finish(mut self) -> Result<()> {
+    pub fn finish(mut self) -> Result<()> {
         self.file.finish().map_err(|e| mcap_error(&self.path, e))?;
         let mut sink = self.file.into_inner().into_inner();
         sink.flush().map_err(write_error(&self.path))
@@ -173,7 +167,7 @@ impl<'a> BagWriter<'a> {
 }
 
 /// Tells a listener of a topic that slipstream writes.
-pub(crate) fn announce(
+pub fn announce(
     listener: &mut dyn Listener,
     topic: &str,
     message_type: MessageType,

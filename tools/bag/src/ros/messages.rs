@@ -1,4 +1,4 @@
-//! Fields of the ROS messages, in the order of [`definitions`](super::definitions).
+//! Fields of the ROS messages, in the order of their definitions.
 //!
 //! Texts (`S`) and lists (`L`, `N`, `V`, `T`, `B`) are type parameters: borrowed when a message is
 //! written, owned when it is read.

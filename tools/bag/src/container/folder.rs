@@ -8,7 +8,7 @@ use slipstream_bus::InputError;
 use super::item::{Visit, Wanted};
 use super::loss::Loss;
 use super::source::{Bag, BagFile};
-use crate::toml_files::read_text;
+use crate::text_file::read_text;
 use crate::yaml::{self, Node, Value};
 
 /// Name of the description in the folder.
@@ -16,7 +16,7 @@ const METADATA: &str = "metadata.yaml";
 
 /// The bag files of a folder, in the order of recording.
 #[derive(Debug)]
-pub(crate) struct BagFolder {
+pub struct BagFolder {
     parts: Vec<BagFile>,
     /// Files of the description that are not in the folder.
     missing: Vec<String>,
@@ -27,7 +27,7 @@ impl BagFolder {
     ///
     /// # Errors
     /// If the folder or a file cannot be read, or `metadata.yaml` is not a description of a bag.
-    pub(crate) fn open(folder: &Path) -> Result<Option<Self>, InputError> {
+    pub fn open(folder: &Path) -> Result<Option<Self>, InputError> {
         let files = bag_files(folder)?;
         let metadata = folder.join(METADATA);
         let mut missing = Vec::new();
@@ -57,7 +57,7 @@ impl BagFolder {
     }
 
     /// The file, if the bag has only one and should have no other; else the folder.
-    pub(crate) fn into_only_part(mut self) -> Result<BagFile, Self> {
+    pub fn into_only_part(mut self) -> Result<BagFile, Self> {
         match self.parts.pop() {
             Some(part) if self.parts.is_empty() && self.missing.is_empty() => Ok(part),
             part => {
@@ -114,7 +114,7 @@ fn names_in(metadata: &Path) -> Result<Vec<String>, InputError> {
 ///
 /// # Errors
 /// If the folder cannot be read.
-pub(crate) fn mcap_files(folder: &Path) -> Result<Vec<PathBuf>, InputError> {
+pub fn mcap_files(folder: &Path) -> Result<Vec<PathBuf>, InputError> {
     let mut files = bag_files(folder)?;
     files.retain(|path| path.extension().is_some_and(|own| own == "mcap"));
     Ok(files)

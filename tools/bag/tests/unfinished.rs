@@ -4,7 +4,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed expectation fails the test")]
 
-use slipstream_recording::output::{OutputFile, remove_unfinished};
+use slipstream_bag::output::{OutputFile, remove_unfinished};
 
 #[test]
 fn files_that_are_not_whole_are_removed() {

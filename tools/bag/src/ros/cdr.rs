@@ -20,7 +20,7 @@ pub(crate) fn encode<T: Serialize>(message: &T, buffer: &mut Vec<u8>) -> Result<
 ///
 /// # Errors
 /// If the bytes are not a message of this type.
-pub(crate) fn decode<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Result<T, String> {
+pub fn decode<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Result<T, String> {
     let Some(([_, encoding, _, _], body)) = bytes.split_first_chunk() else {
         return Err("the message is shorter than its header".to_owned());
     };
