@@ -15,7 +15,7 @@ use slipstream_tests::structure::{self, Order};
 /// Packages from the lowest floor up. Those of one floor do not know each other.
 const FLOORS: [&[&str]; 10] = [
     &["slipstream-bus"],
-    &["slipstream-ipc", "slipstream-trial-plant"],
+    &["slipstream-bag", "slipstream-ipc", "slipstream-trial-plant"],
     &["slipstream-agents", "slipstream-hosts", "slipstream-sim"],
     &["slipstream-c", "slipstream-recording"],
     &[

@@ -1,8 +1,7 @@
 //! Clock drift: the clock of one stream runs fast or slow.
 
-use super::{
-    Channel, Effect, FromValues, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Values, When,
-};
+use super::parameter::{size, text};
+use super::{Channel, Effect, FromValues, Info, Values};
 use crate::parts::parameters::RobotParameters;
 use crate::parts::scalar::Scalar;
 
@@ -26,35 +25,22 @@ impl<S: Scalar> FromValues<S> for ClockDrift<S> {
 }
 
 impl<S: Scalar> Effect<S> for ClockDrift<S> {
-    const INFO: Info = Info {
-        id: "clock_drift",
-        summary: "stamp = t (1 + rate) in one stream",
-        equation: "z(t (1 + k)) = y(t)",
-        source: "first order of a clock's error",
-        site: ModelSite::Sensor,
-        channels: &[
+    const INFO: Info = Info::sensor(
+        "clock_drift",
+        "stamp = t (1 + rate) in one stream",
+        &[
             Channel::SensorPose,
             Channel::SensorWheels,
             Channel::SensorImu,
         ],
-        parameters: &[
-            ParameterInfo::number(
-                Role::Size,
-                "rate",
-                "s/s",
-                -0.1,
-                0.1,
-                &[-0.002, -2e-4, 2e-4, 0.002],
-            ),
-            ParameterInfo::text("stream", STREAMS),
-        ],
-        repeats: true,
-        kinematic: true,
-        acts: When::Always,
-        condition: "always",
-        follows: &[],
-        manoeuvre: Manoeuvre::SharpStarts,
-    };
+    )
+    .equation("z(t (1 + k)) = y(t)")
+    .source("first order of a clock's error")
+    .parameters(&[
+        size("rate", "s/s", [-0.1, 0.1], &[-0.002, -2e-4, 2e-4, 0.002]),
+        text("stream", STREAMS),
+    ])
+    .repeats();
 
     fn apply(&self, parameters: &mut RobotParameters<S>) {
         let rates = &mut parameters.sensing.clock_rate;

@@ -1,6 +1,7 @@
 //! Encoder scale: the encoders count too much or too little.
 
-use super::{Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, When, numbers};
+use super::parameter::factor;
+use super::{Channel, Effect, Info, Manoeuvre, numbers};
 use crate::parts::parameters::RobotParameters;
 use crate::parts::scalar::Scalar;
 
@@ -10,38 +11,18 @@ numbers!(EncoderScale {
 });
 
 impl<S: Scalar> Effect<S> for EncoderScale<S> {
-    const INFO: Info = Info {
-        id: "encoder_scale",
-        summary: "counts lost or gained in proportion",
-        equation: "n = s theta counts / 2 pi",
-        source: "plain factor",
-        site: ModelSite::Sensor,
-        channels: &[Channel::SensorWheels],
-        parameters: &[
-            ParameterInfo::number(
-                Role::Factor,
-                "right_scale",
-                "1",
-                0.0025,
-                400.0,
-                &[0.97, 0.99, 1.01, 1.03],
-            ),
-            ParameterInfo::number(
-                Role::Factor,
-                "left_scale",
-                "1",
-                0.0025,
-                400.0,
-                &[0.97, 0.99, 1.01, 1.03],
-            ),
-        ],
-        repeats: false,
-        kinematic: true,
-        acts: When::Always,
-        condition: "always",
-        follows: &[],
-        manoeuvre: Manoeuvre::HandTurned,
-    };
+    const INFO: Info = Info::sensor(
+        "encoder_scale",
+        "counts lost or gained in proportion",
+        &[Channel::SensorWheels],
+    )
+    .equation("n = s theta counts / 2 pi")
+    .source("plain factor")
+    .parameters(&[
+        factor("right_scale", [0.0025, 400.0], &[0.97, 0.99, 1.01, 1.03]),
+        factor("left_scale", [0.0025, 400.0], &[0.97, 0.99, 1.01, 1.03]),
+    ])
+    .manoeuvre(Manoeuvre::HandTurned);
 
     fn apply(&self, parameters: &mut RobotParameters<S>) {
         parameters.sensing.encoder_scale = [self.right_scale, self.left_scale];

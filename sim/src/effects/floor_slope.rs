@@ -1,8 +1,7 @@
 //! Floor slope: gravity has a component along the floor.
 
-use super::{
-    Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,
-};
+use super::parameter::{direction, size};
+use super::{Channel, Effect, Info, Manoeuvre, Variable, numbers};
 use crate::parts::parameters::RobotParameters;
 use crate::parts::scalar::Scalar;
 
@@ -12,31 +11,18 @@ numbers!(FloorSlope {
 });
 
 impl<S: Scalar> Effect<S> for FloorSlope<S> {
-    const INFO: Info = Info {
-        id: "floor_slope",
-        summary: "the floor tilts; direction in the world frame",
-        equation: "F = m g sin(atan(grade)) downhill, at the centre of all mass",
-        source: "component of weight",
-        site: ModelSite::Body,
-        channels: &[Channel::Longitudinal, Channel::Lateral, Channel::Yaw],
-        parameters: &[
-            ParameterInfo::number(Role::Size, "grade", "1", 0.0, 1.0, &[0.002, 0.008, 0.03]),
-            ParameterInfo::number(
-                Role::Direction,
-                "downhill_rad",
-                "rad",
-                -7.0,
-                7.0,
-                &[0.0, 1.6, 3.1, -1.6],
-            ),
-        ],
-        repeats: false,
-        kinematic: false,
-        acts: When::Always,
-        condition: "always",
-        follows: &[(Channel::Longitudinal, Variable::Heading)],
-        manoeuvre: Manoeuvre::Ramp,
-    };
+    const INFO: Info = Info::body(
+        "floor_slope",
+        "the floor tilts; direction in the world frame",
+        Manoeuvre::Ramp,
+    )
+    .equation("F = m g sin(atan(grade)) downhill, at the centre of all mass")
+    .source("component of weight")
+    .parameters(&[
+        size("grade", "1", [0.0, 1.0], &[0.002, 0.008, 0.03]),
+        direction("downhill_rad", 7.0, &[0.0, 1.6, 3.1, -1.6]),
+    ])
+    .follows(&[(Channel::Longitudinal, Variable::Heading)]);
 
     fn apply(&self, parameters: &mut RobotParameters<S>) {
         let (sin, cos) = self.downhill_rad.sin_cos();

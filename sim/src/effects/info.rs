@@ -1,6 +1,10 @@
 //! Description of an effect: id, equation, parameters, where it acts and where it is observed.
+//!
+//! A description starts from what effects of its kind have in common, such as [`Info::command`], and
+//! states what is its own by the methods named as the fields.
 
 use super::observability::{Manoeuvre, Variable, When};
+use super::parameter::{Domain, ParameterInfo};
 
 /// Part of the model that an effect changes, in the order from command to recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,170 +64,6 @@ impl Channel {
     }
 }
 
-/// Set of values that a parameter may take.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Domain {
-    /// A number in [`lower`, `upper`].
-    Number {
-        /// Smallest physical value.
-        lower: f64,
-        /// Largest plausible value.
-        upper: f64,
-        /// Values spread over what robots show, from which a search for the effect starts.
-        probes: &'static [f64],
-    },
-    /// One of these words.
-    Text(&'static [&'static str]),
-    /// Numbers in [`lower`, `upper`], from 1 to [`LIST_MAX`] of them. All lists of an effect have the
-    /// same length.
-    List {
-        /// Smallest value of each.
-        lower: f64,
-        /// Largest value of each.
-        upper: f64,
-        /// Whether each number is larger than the one before.
-        increasing: bool,
-    },
-}
-
-/// Largest number of values in a list.
-pub const LIST_MAX: usize = 64;
-
-/// Meaning of a parameter, which determines how a search treats it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Role {
-    /// Strength of the effect; at zero the effect is absent.
-    Size,
-    /// Multiple of a nominal quantity; at one the effect is absent.
-    Factor,
-    /// Upper limit of a force, torque or speed; at infinity the effect is absent.
-    Limit,
-    /// Mass that is added to the robot.
-    Mass,
-    /// Time on the recording's time axis.
-    Time,
-    /// Coordinate of a point on the floor or on the robot.
-    Position,
-    /// Radius of a part of the floor.
-    Radius,
-    /// Angle that wraps at a full turn.
-    Direction,
-    /// Name of a part of the robot, as text.
-    Name,
-    /// Values of a driver at which a table has entries.
-    Knots,
-    /// Entries of a table.
-    Entries,
-}
-
-impl Role {
-    /// The role's name in `slipstream effects --json`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Size => "size",
-            Self::Factor => "factor",
-            Self::Limit => "limit",
-            Self::Mass => "mass",
-            Self::Time => "time",
-            Self::Position => "position",
-            Self::Radius => "radius",
-            Self::Direction => "direction",
-            Self::Name => "name",
-            Self::Knots => "knots",
-            Self::Entries => "entries",
-        }
-    }
-}
-
-/// One parameter of an effect.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ParameterInfo {
-    /// Its meaning.
-    pub role: Role,
-    /// Its key in `robot.toml`, which ends with the unit if it has one.
-    pub name: &'static str,
-    /// Its unit; "1" for a plain number.
-    pub unit: &'static str,
-    /// The values it may take.
-    pub domain: Domain,
-    /// Whether it is one of several alternatives, of which a model gives exactly one.
-    pub alternative: bool,
-    /// Whether a model may leave it out: it is then 0.
-    pub optional: bool,
-}
-
-impl ParameterInfo {
-    pub(super) const fn number(
-        role: Role,
-        name: &'static str,
-        unit: &'static str,
-        lower: f64,
-        upper: f64,
-        probes: &'static [f64],
-    ) -> Self {
-        let domain = Domain::Number {
-            lower,
-            upper,
-            probes,
-        };
-        Self {
-            role,
-            name,
-            unit,
-            domain,
-            alternative: false,
-            optional: false,
-        }
-    }
-
-    pub(super) const fn text(name: &'static str, words: &'static [&'static str]) -> Self {
-        Self {
-            role: Role::Name,
-            name,
-            unit: "text",
-            domain: Domain::Text(words),
-            alternative: false,
-            optional: false,
-        }
-    }
-
-    pub(super) const fn list(
-        role: Role,
-        name: &'static str,
-        unit: &'static str,
-        [lower, upper]: [f64; 2],
-    ) -> Self {
-        Self {
-            role,
-            name,
-            unit,
-            domain: Domain::List {
-                lower,
-                upper,
-                increasing: matches!(role, Role::Knots),
-            },
-            alternative: false,
-            optional: false,
-        }
-    }
-
-    /// The same parameter as one of several alternatives.
-    pub(super) const fn as_alternative(self) -> Self {
-        Self {
-            alternative: true,
-            ..self
-        }
-    }
-
-    /// The same parameter, which is 0 where it is left out.
-    pub(super) const fn as_optional(self) -> Self {
-        Self {
-            optional: true,
-            ..self
-        }
-    }
-}
-
 /// Description of an effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Info {
@@ -265,5 +105,193 @@ impl Info {
     pub fn is_table(&self) -> bool {
         let mut parameters = self.parameters.iter();
         parameters.any(|known| matches!(known.domain, Domain::List { .. }))
+    }
+}
+
+/// Motion of a body and both of its wheels.
+pub(super) const ALL_MOTION: &[Channel] = &[
+    Channel::Longitudinal,
+    Channel::Lateral,
+    Channel::Yaw,
+    Channel::WheelRight,
+    Channel::WheelLeft,
+];
+
+/// Motion in which the torques of the wheels show.
+const DRIVEN_MOTION: &[Channel] = &[
+    Channel::Longitudinal,
+    Channel::Yaw,
+    Channel::WheelRight,
+    Channel::WheelLeft,
+];
+
+/// A function of the commands of the wheels.
+pub(super) const WHEEL_COMMANDS: &[(Channel, Variable)] = &[
+    (Channel::WheelRight, Variable::Command),
+    (Channel::WheelLeft, Variable::Command),
+];
+
+/// A function of the speeds of the wheels.
+const WHEEL_SPEEDS: &[(Channel, Variable)] = &[
+    (Channel::WheelRight, Variable::Speed),
+    (Channel::WheelLeft, Variable::Speed),
+];
+
+/// A function of speed and yaw rate.
+pub(super) const TWIST: &[(Channel, Variable)] = &[
+    (Channel::Longitudinal, Variable::Speed),
+    (Channel::Yaw, Variable::TurnRate),
+];
+
+/// Descriptions by kind.
+impl Info {
+    /// Change of the wheels' commands. Every robot has commands.
+    pub(super) const fn command(id: &'static str, summary: &'static str) -> Self {
+        Self::new(id, summary, ModelSite::Command, Manoeuvre::Steps)
+            .channels(DRIVEN_MOTION)
+            .follows(WHEEL_COMMANDS)
+            .kinematic()
+    }
+
+    /// Torque against the rotation of the wheels.
+    pub(super) const fn axle_torque(id: &'static str, summary: &'static str) -> Self {
+        Self::new(id, summary, ModelSite::DriveTrain, Manoeuvre::LiftedWheels)
+            .channels(DRIVEN_MOTION)
+            .follows(WHEEL_SPEEDS)
+    }
+
+    /// What lies between the motors, which the encoders count, and the floor.
+    pub(super) const fn transmission(id: &'static str, summary: &'static str) -> Self {
+        Self::new(id, summary, ModelSite::DriveTrain, Manoeuvre::Steps)
+            .channels(&[
+                Channel::Longitudinal,
+                Channel::Yaw,
+                Channel::WheelRight,
+                Channel::WheelLeft,
+                Channel::SensorWheels,
+            ])
+            .follows(WHEEL_COMMANDS)
+    }
+
+    /// Force at the contacts with the floor.
+    pub(super) const fn contact(id: &'static str, summary: &'static str) -> Self {
+        Self::new(id, summary, ModelSite::Contact, Manoeuvre::UntilItSlips).channels(ALL_MOTION)
+    }
+
+    /// Change of turns by the contacts with the floor.
+    pub(super) const fn turning(id: &'static str, summary: &'static str) -> Self {
+        Self::new(id, summary, ModelSite::Contact, Manoeuvre::SpinInPlace)
+            .channels(&[Channel::Yaw])
+            .condition("whenever it turns")
+            .follows(&[(Channel::Yaw, Variable::TurnRate)])
+    }
+
+    /// Force on the body against its motion.
+    pub(super) const fn drag(id: &'static str, summary: &'static str) -> Self {
+        Self::new(id, summary, ModelSite::Body, Manoeuvre::CoastDown)
+            .channels(&[
+                Channel::Longitudinal,
+                Channel::WheelRight,
+                Channel::WheelLeft,
+            ])
+            .condition("whenever it moves")
+            .follows(&[(Channel::Longitudinal, Variable::Speed)])
+    }
+
+    /// Force on the body, or mass, at a place of its own.
+    pub(super) const fn body(
+        id: &'static str,
+        summary: &'static str,
+        manoeuvre: Manoeuvre,
+    ) -> Self {
+        Self::new(id, summary, ModelSite::Body, manoeuvre).channels(&[
+            Channel::Longitudinal,
+            Channel::Lateral,
+            Channel::Yaw,
+        ])
+    }
+
+    /// Error of recorded streams. Every robot has streams.
+    pub(super) const fn sensor(
+        id: &'static str,
+        summary: &'static str,
+        channels: &'static [Channel],
+    ) -> Self {
+        Self::new(id, summary, ModelSite::Sensor, Manoeuvre::SharpStarts)
+            .channels(channels)
+            .kinematic()
+    }
+
+    /// What acts always, is listed once and needs masses.
+    pub(super) const fn new(
+        id: &'static str,
+        summary: &'static str,
+        site: ModelSite,
+        manoeuvre: Manoeuvre,
+    ) -> Self {
+        Self {
+            id,
+            summary,
+            equation: "",
+            source: "",
+            site,
+            channels: &[],
+            parameters: &[],
+            repeats: false,
+            kinematic: false,
+            acts: When::Always,
+            condition: "always",
+            follows: &[],
+            manoeuvre,
+        }
+    }
+}
+
+/// What an effect has of its own.
+impl Info {
+    pub(super) const fn equation(self, equation: &'static str) -> Self {
+        Self { equation, ..self }
+    }
+
+    pub(super) const fn source(self, source: &'static str) -> Self {
+        Self { source, ..self }
+    }
+
+    pub(super) const fn channels(self, channels: &'static [Channel]) -> Self {
+        Self { channels, ..self }
+    }
+
+    pub(super) const fn parameters(self, parameters: &'static [ParameterInfo]) -> Self {
+        Self { parameters, ..self }
+    }
+
+    pub(super) const fn repeats(self) -> Self {
+        Self {
+            repeats: true,
+            ..self
+        }
+    }
+
+    pub(super) const fn kinematic(self) -> Self {
+        Self {
+            kinematic: true,
+            ..self
+        }
+    }
+
+    pub(super) const fn acts(self, acts: When) -> Self {
+        Self { acts, ..self }
+    }
+
+    pub(super) const fn condition(self, condition: &'static str) -> Self {
+        Self { condition, ..self }
+    }
+
+    pub(super) const fn follows(self, follows: &'static [(Channel, Variable)]) -> Self {
+        Self { follows, ..self }
+    }
+
+    pub(super) const fn manoeuvre(self, manoeuvre: Manoeuvre) -> Self {
+        Self { manoeuvre, ..self }
     }
 }

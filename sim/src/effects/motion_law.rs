@@ -6,11 +6,10 @@
 //! rad/s with which the wheels alone carry the body), `heading` (rad, from -pi to pi), `x` and `y` of c
 //! (m).
 
+use super::info::TWIST;
 use super::law::{DRIVERS, Law};
-use super::{
-    Channel, Effect, FromValues, Info, Manoeuvre, ModelSite, Motion, ParameterInfo, Role, Values,
-    Variable, When,
-};
+use super::parameter::{Role, list, text};
+use super::{Channel, Effect, FromValues, Info, Manoeuvre, Motion, Values};
 use crate::parts::parameters::RobotParameters;
 use crate::parts::scalar::{Pair, Scalar};
 
@@ -25,31 +24,28 @@ impl<S: Scalar> FromValues<S> for MotionLaw<S> {
 }
 
 impl<S: Scalar> Effect<S> for MotionLaw<S> {
-    const INFO: Info = Info {
-        id: "motion_law",
-        summary: "a speed or turn rate as a table over one driver, added to what the wheels carry the \
+    const INFO: Info = Info::contact(
+        "motion_law",
+        "a speed or turn rate as a table over one driver, added to what the wheels carry the \
             body with (kinematic model)",
-        equation: "v = v_wheels + f(z), or w = w_wheels + f(z), f linear between the knots and constant \
+    )
+    .equation(
+        "v = v_wheels + f(z), or w = w_wheels + f(z), f linear between the knots and constant \
             beyond them",
-        source: "piecewise linear map",
-        site: ModelSite::Contact,
-        channels: &[Channel::Longitudinal, Channel::Lateral, Channel::Yaw],
-        parameters: &[
-            ParameterInfo::text("acts_on", &["speed", "turn_rate"]),
-            ParameterInfo::text("driver", DRIVERS),
-            ParameterInfo::list(Role::Knots, "knots", "unit of the driver", [-1e6, 1e6]),
-            ParameterInfo::list(Role::Entries, "values", "m/s or rad/s", [-1e3, 1e3]),
-        ],
-        repeats: true,
-        kinematic: true,
-        acts: When::Always,
-        condition: "where its table is not 0",
-        follows: &[
-            (Channel::Longitudinal, Variable::Speed),
-            (Channel::Yaw, Variable::TurnRate),
-        ],
-        manoeuvre: Manoeuvre::Steps,
-    };
+    )
+    .source("piecewise linear map")
+    .channels(&[Channel::Longitudinal, Channel::Lateral, Channel::Yaw])
+    .parameters(&[
+        text("acts_on", &["speed", "turn_rate"]),
+        text("driver", DRIVERS),
+        list(Role::Knots, "knots", "unit of the driver", 1e6),
+        list(Role::Entries, "values", "m/s or rad/s", 1e3),
+    ])
+    .repeats()
+    .kinematic()
+    .condition("where its table is not 0")
+    .follows(TWIST)
+    .manoeuvre(Manoeuvre::Steps);
 
     fn apply(&self, parameters: &mut RobotParameters<S>) {
         parameters.of_speeds = Some("effects.motion_law");

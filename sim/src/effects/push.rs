@@ -1,8 +1,7 @@
 //! Push: a short external force on the body.
 
-use super::{
-    Channel, Effect, Info, Manoeuvre, ModelSite, Motion, ParameterInfo, Role, When, Wrench, numbers,
-};
+use super::parameter::{Role, direction, number, size};
+use super::{Effect, Info, Manoeuvre, Motion, When, Wrench, numbers};
 use crate::parts::scalar::{Scalar, larger};
 
 /// Duration of a push (s).
@@ -15,39 +14,21 @@ numbers!(Push {
 });
 
 impl<S: Scalar> Effect<S> for Push<S> {
-    const INFO: Info = Info {
-        id: "push",
-        summary: "an external force on c lasting 60 ms from t_s, world frame",
-        equation: "F = J / 60 ms for t_s < t < t_s + 60 ms",
-        source: "impulse and momentum",
-        site: ModelSite::Body,
-        channels: &[Channel::Longitudinal, Channel::Lateral, Channel::Yaw],
-        parameters: &[
-            ParameterInfo::number(Role::Time, "t_s", "s", 0.0, 1e6, &[]),
-            ParameterInfo::number(
-                Role::Size,
-                "impulse_n_s",
-                "N s",
-                0.0,
-                1e3,
-                &[0.02, 0.1, 0.4],
-            ),
-            ParameterInfo::number(
-                Role::Direction,
-                "direction_rad",
-                "rad",
-                -7.0,
-                7.0,
-                &[0.0, 1.6, 3.1, -1.6],
-            ),
-        ],
-        repeats: true,
-        kinematic: false,
-        acts: When::Once,
-        condition: "once",
-        follows: &[],
-        manoeuvre: Manoeuvre::NobodyNear,
-    };
+    const INFO: Info = Info::body(
+        "push",
+        "an external force on c lasting 60 ms from t_s, world frame",
+        Manoeuvre::NobodyNear,
+    )
+    .equation("F = J / 60 ms for t_s < t < t_s + 60 ms")
+    .source("impulse and momentum")
+    .parameters(&[
+        number(Role::Time, "t_s", "s", [0.0, 1e6], &[]),
+        size("impulse_n_s", "N s", [0.0, 1e3], &[0.02, 0.1, 0.4]),
+        direction("direction_rad", 7.0, &[0.0, 1.6, 3.1, -1.6]),
+    ])
+    .repeats()
+    .acts(When::Once)
+    .condition("once");
 
     fn force(&self, motion: &Motion<S>, wrench: &mut Wrench<S>) {
         let from = larger(self.t_s, S::constant(motion.t_s));

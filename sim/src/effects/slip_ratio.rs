@@ -4,10 +4,9 @@
 //! velocity lies there, while its force F acts on the wheel with the torque r F as before. The floor takes
 //! the power s r ω F: it takes some while the wheel drives, and gives some while it brakes, if s > 0.
 
-use super::{
-    Channel, Effect, FromValues, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Values, Variable,
-    When,
-};
+use super::info::TWIST;
+use super::parameter::size;
+use super::{Channel, Effect, FromValues, Info, Manoeuvre, Values};
 use crate::parts::parameters::RobotParameters;
 use crate::parts::scalar::Scalar;
 
@@ -28,28 +27,20 @@ impl<S: Scalar> FromValues<S> for SlipRatio<S> {
 }
 
 impl<S: Scalar> Effect<S> for SlipRatio<S> {
-    const INFO: Info = Info {
-        id: "slip_ratio",
-        summary: "each wheel's contact moves by (1 - ratio) of what the wheel turns (soft floor, carpet)",
-        equation: "v_i = (1 - s_i) r omega_i, s_r = s + a / 2, s_l = s - a / 2",
-        source: "definition of the slip ratio of a driven wheel",
-        site: ModelSite::Contact,
-        channels: &[Channel::Longitudinal, Channel::Yaw],
-        parameters: &[
-            ParameterInfo::number(Role::Size, "ratio", "1", -0.5, 0.95, &[0.02, 0.1, 0.3]),
-            ParameterInfo::number(Role::Size, "asymmetry", "1", -0.5, 0.5, &[-0.02, 0.02])
-                .as_optional(),
-        ],
-        repeats: false,
-        kinematic: true,
-        acts: When::Always,
-        condition: "always",
-        follows: &[
-            (Channel::Longitudinal, Variable::Speed),
-            (Channel::Yaw, Variable::TurnRate),
-        ],
-        manoeuvre: Manoeuvre::HandTurned,
-    };
+    const INFO: Info = Info::contact(
+        "slip_ratio",
+        "each wheel's contact moves by (1 - ratio) of what the wheel turns (soft floor, carpet)",
+    )
+    .equation("v_i = (1 - s_i) r omega_i, s_r = s + a / 2, s_l = s - a / 2")
+    .source("definition of the slip ratio of a driven wheel")
+    .channels(&[Channel::Longitudinal, Channel::Yaw])
+    .parameters(&[
+        size("ratio", "1", [-0.5, 0.95], &[0.02, 0.1, 0.3]),
+        size("asymmetry", "1", [-0.5, 0.5], &[-0.02, 0.02]).as_optional(),
+    ])
+    .kinematic()
+    .follows(TWIST)
+    .manoeuvre(Manoeuvre::HandTurned);
 
     fn apply(&self, parameters: &mut RobotParameters<S>) {
         let half = self.asymmetry * 0.5;

@@ -7,7 +7,7 @@ use slipstream_sim::effects::{CATALOGUE, Domain};
 use slipstream_sim::{CommandKind, Robot};
 
 /// The catalogue has every effect of the vocabulary that other programs know, no effect twice, and for
-/// each an equation, channels, and probes inside its bounds.
+/// each a summary, an equation and its source, channels, parameters, and probes inside their bounds.
 #[test]
 fn the_catalogue_is_complete() {
     let vocabulary = "wheel_slip friction_patch rolling_resistance viscous_drag quadratic_drag \
@@ -24,11 +24,10 @@ fn the_catalogue_is_complete() {
         .collect();
     assert!(missing.is_empty(), "{missing:?}");
     for info in CATALOGUE {
-        assert!(
-            !info.channels.is_empty() && !info.equation.is_empty(),
-            "{}",
-            info.id
-        );
+        let texts = [info.summary, info.equation, info.source, info.condition];
+        assert!(texts.iter().all(|text| !text.is_empty()), "{}", info.id);
+        assert!(!info.channels.is_empty(), "{}", info.id);
+        assert!(!info.parameters.is_empty(), "{}", info.id);
         for parameter in info.parameters {
             if let Domain::Number {
                 lower,

@@ -7,7 +7,7 @@ use std::time::Duration;
 use signal_hook::consts::{SIGINT, SIGTERM, SIGXFSZ};
 use signal_hook::iterator::Signals;
 use signal_hook::{flag, low_level};
-use slipstream_recording::output;
+use slipstream_bag::output;
 
 use crate::exit::{Error, Exit};
 use crate::print::eprint_line;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use slipstream_recording::output;
+use slipstream_bag::output;
 
 use crate::exit::Error;
 use crate::print;

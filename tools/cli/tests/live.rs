@@ -11,7 +11,8 @@ use std::process::{Child, Command, Stdio};
 use common::slipstream;
 use common::viewer::{Socket, connected};
 use serde_json::{Value, json};
-use slipstream_recording::{Announced, Listener, read_messages};
+use slipstream_bag::{Announced, Listener};
+use slipstream_recording::read_messages;
 use tungstenite::Message;
 
 /// Time (ns) and bytes of the messages of each topic.

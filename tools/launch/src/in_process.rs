@@ -7,6 +7,7 @@ use std::rc::Rc;
 use std::time::Instant;
 
 use slipstream_agents::{AgentContext, BuiltIn, Controller, ControllerError, Node, NodeReport};
+use slipstream_bag::output::lock_recording;
 use slipstream_bus::experiment::Topology;
 use slipstream_bus::message::{DriveCommand, Encoders, Position, RobotIndex, robot_name};
 use slipstream_bus::record::{NoRecorder, Record, Recorder};
@@ -14,7 +15,6 @@ use slipstream_bus::time::Schedule;
 use slipstream_bus::transport::{BusError, LockstepLink, PositionLink};
 use slipstream_bus::{Experiment, InputError};
 use slipstream_ipc::trace;
-use slipstream_recording::output::lock_recording;
 use slipstream_sim::run::{Observer, PlantReport, lockstep, world};
 
 use crate::recorder::{self, McapSink, trace_files};

@@ -3,8 +3,9 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use slipstream_bag::{Announced, Listener};
 use slipstream_bus::InputError;
-use slipstream_recording::{Announced, Error, Listener, Recording, read_messages};
+use slipstream_recording::{Error, Recording, read_messages};
 use tempfile::NamedTempFile;
 
 use crate::server::Server;

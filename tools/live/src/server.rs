@@ -11,8 +11,8 @@ use foxglove::{
     ChannelBuilder, Context, PartialMetadata, RawChannel, Schema, WebSocketServer,
     WebSocketServerHandle,
 };
+use slipstream_bag::{Announced, Listener};
 use slipstream_bus::InputError;
-use slipstream_recording::{Announced, Listener};
 
 /// Messages that are kept for a viewer that is slow: more than a run of some minutes has in a second.
 const BACKLOG: usize = 1 << 16;

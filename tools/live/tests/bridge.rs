@@ -15,10 +15,11 @@ use std::time::{Duration, Instant};
 use common::rows_of::Rows;
 use common::{LONG, assert_same, hear_until, rows};
 use serde_json::json;
+use slipstream_bag::{Announced, Listener};
 use slipstream_live::Server;
 use slipstream_live::source::{Bridge, Heard, Source as _};
 use slipstream_recording::run_writer::RunWriter;
-use slipstream_recording::{Announced, Listener, Recording, read_mcap_from};
+use slipstream_recording::{Recording, read_mcap_from};
 use tungstenite::handshake::server::{Request, Response};
 use tungstenite::{Message, WebSocket};
 

@@ -14,9 +14,10 @@ use std::time::Duration;
 
 use common::{assert_same, cart, hear_all, hear_until, rows};
 use mcap::records::MessageHeader;
+use slipstream_bag::{Announced, Listener};
 use slipstream_live::source::{Growing, Heard, Replay, Source as _};
 use slipstream_recording::run_writer::RunWriter;
-use slipstream_recording::{Announced, Listener, TopicMap, read, read_messages};
+use slipstream_recording::{TopicMap, read, read_messages};
 
 /// A run of some seconds, as the bytes of its file.
 fn own_file() -> Vec<u8> {

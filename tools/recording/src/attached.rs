@@ -3,8 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::bag::{Bag as _, BagFile, Item};
-use crate::error::Result;
+use slipstream_bag::{Bag as _, BagFile, Item, Result};
 
 /// The texts that are attached to a file of a run, by their names: `experiment.toml`, and `simulated.r1.toml` or
 /// `nominal.r1.toml` of each robot.

@@ -2,10 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use slipstream_bag::{Bag, Result};
 use slipstream_bus::InputError;
 
-use crate::bag::Bag;
-use crate::error::Result;
 use crate::foreign_bag::{
     InBag, TopicMap, WheelJoints, WheelNames, descriptions_in, draft_topics, read_foreign,
 };

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::bag::Loss;
-use crate::error::Result;
+use slipstream_bag::{Loss, Result};
+
 use crate::recording::{Recording, Robot};
 use crate::rows::SpooledRecording;
 

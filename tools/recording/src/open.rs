@@ -2,12 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use slipstream_bag::{Bag, BagBytes, BagFile, BagFolder, Container, Error, Result, is_bag};
 use slipstream_bus::InputError;
 
-use crate::bag::{Bag, BagBytes, BagFile, BagFolder, Container, is_bag};
 use crate::carried::{description_in, draft_with_model, read_with_model};
 use crate::csv_folder::spool_folder;
-use crate::error::Result;
 use crate::foreign_bag::{TopicMap, WheelJoints};
 use crate::foreign_csv::{ColumnMap, Draft, is_text, read_columns};
 use crate::import::{Import, Spooled};
@@ -247,7 +246,7 @@ fn read_guessed(path: &Path) -> Result<Spooled> {
         return Err(not_mapped(path));
     }
     let mut spooled = read_columns(path, &draft.map).map_err(|error| match error {
-        crate::Error::Input(error) => InputError {
+        Error::Input(error) => InputError {
             remedy: format!("{}; the columns were guessed: {CORRECTION}", error.remedy),
             ..error
         }
@@ -267,7 +266,7 @@ fn read_guessed(path: &Path) -> Result<Spooled> {
 const CORRECTION: &str = "`slipstream check RECORDING --write-columns FILE.toml` writes a map to be corrected; then give --columns FILE.toml";
 
 /// Text files whose columns are not known need a map; a folder may have none.
-fn not_mapped(path: &Path) -> crate::Error {
+fn not_mapped(path: &Path) -> Error {
     let error = match csv_in(path) {
         Some(file) => {
             let name = file.display();

@@ -13,8 +13,9 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use rows_of::{Rows, assert_same, rows};
+use slipstream_bag::{Announced, Listener};
 use slipstream_recording::{
-    Announced, Followed, Follower, Listener, Map, Recording, TopicMap, read_mapped, read_messages,
+    Followed, Follower, Map, Recording, TopicMap, read_mapped, read_messages,
 };
 
 /// The MCAP files below a folder.

@@ -10,6 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
+use slipstream_bag::ros::wire;
 use slipstream_bus::experiment::{Clock, Drive, OnDeath};
 use slipstream_bus::message::{Actuation, DriveCommand};
 use slipstream_bus::{Body, Encoder, Experiment, RobotModel, Settings, TwistLimits};
@@ -20,7 +21,6 @@ use slipstream_ipc::join::JoinedRun;
 use slipstream_ipc::presence::Parent;
 use slipstream_ipc::run_directory::RunDirectory;
 use slipstream_ipc::wake_page::{Member, Stage, WakePage};
-use slipstream_recording::wire;
 use slipstream_robots::fleet::Fleet;
 use slipstream_robots::lab::{
     CommandMessage, CommandTopic, Content, Lab, LabRobot, WheelTopic, Wire,

@@ -10,7 +10,7 @@
 
 use std::path::{Path, PathBuf};
 
-use slipstream_recording::output::OutputFolder;
+use slipstream_bag::output::OutputFolder;
 use slipstream_recording::{robot_toml, write_folder};
 
 use crate::TrialError;

@@ -1,6 +1,6 @@
 //! The temporary folder of a trial.
 
-use slipstream_recording::output::OutputFolder;
+use slipstream_bag::output::OutputFolder;
 
 use crate::exit::Error;
 

@@ -8,10 +8,10 @@ use std::path::Path;
 use serde_json::{Value, json};
 use slipstream_answer::statement::change;
 use slipstream_answer::{Answer, Finding, Verdict};
+use slipstream_bag::Announced;
 use slipstream_bus::InputError;
 use slipstream_diagnose::{Change, Event, State};
 use slipstream_live::Server;
-use slipstream_recording::Announced;
 
 use crate::exit::Error;
 use crate::print::{self, note_line, print_line};

@@ -8,13 +8,13 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use slipstream_bag::output::lock_recording;
 use slipstream_bus::experiment::{Clock, OnDeath};
 use slipstream_bus::time::s_from_ns;
 use slipstream_bus::{Experiment, InputError};
 use slipstream_ipc::run_directory::{RunDirectory, RunLock, SHARED_MEMORY, leftovers};
 use slipstream_ipc::wake_page::{Member, Stage, WakePage};
 use slipstream_ipc::{report, trace};
-use slipstream_recording::output::lock_recording;
 
 use super::away::{Away, HOST};
 use super::child::{ChildProcess, Start};

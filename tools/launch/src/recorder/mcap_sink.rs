@@ -5,11 +5,11 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::Path;
 
+use slipstream_bag::Listener;
 use slipstream_bus::experiment::WheelSource;
 use slipstream_bus::message::{Actuation, Position, RobotIndex, robot_name};
 use slipstream_bus::record::{OuterTick, Record, Recorder, State};
 use slipstream_bus::{Experiment, RobotModel, RobotSetup, trace};
-use slipstream_recording::Listener;
 use slipstream_recording::recording::{Noise, PosePoint, Recording, Robot};
 use slipstream_recording::robot_toml;
 use slipstream_recording::run_writer::{

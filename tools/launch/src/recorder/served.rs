@@ -3,10 +3,10 @@
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
+use slipstream_bag::{Announced, Listener};
 use slipstream_bus::transport::BusError;
 use slipstream_ipc::join::JoinedRun;
 use slipstream_live::Server;
-use slipstream_recording::{Announced, Listener};
 
 use super::mcap_sink::McapSink;
 

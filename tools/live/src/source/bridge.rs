@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use serde_json::json;
+use slipstream_bag::Announced;
 use slipstream_bus::InputError;
-use slipstream_recording::{Announced, Follower, TopicMap, WheelJoints};
+use slipstream_recording::{Follower, TopicMap, WheelJoints};
 use tungstenite::Message;
 
 use super::background::{Background, Outlet};

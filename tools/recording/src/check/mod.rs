@@ -24,6 +24,7 @@ mod units;
 mod wheel_scale;
 mod wheels;
 
+use slipstream_bag::Result;
 use slipstream_bus::RobotModel;
 
 pub(crate) use counters::{BURSTING, of_bursts};
@@ -31,7 +32,6 @@ pub use report::{Finding, Report, RobotReport, Severity, StreamReport};
 
 use self::machines::{Machines, OfRun};
 use self::motion::Windows;
-use crate::error::Result;
 use crate::import::Spooled;
 use crate::mend::{self, PoseJump, WheelFaults};
 use crate::recording::Recording;

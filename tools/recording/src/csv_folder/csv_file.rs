@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use csv::{ByteRecord, ReaderBuilder, Trim};
+use slipstream_bag::refuse_pointer;
 use slipstream_bus::InputError;
 
-use crate::git_lfs::refuse_pointer;
 use crate::recording::UnknownColumn;
 use crate::table::out_of_range;
 

@@ -3,17 +3,17 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use slipstream_bag::{Result, read_text};
 use slipstream_bus::InputError;
 
 use super::csv_file::CsvFile;
-use crate::error::Result;
 use crate::import::{Import, Spooled};
 use crate::recording::{ReadFrom, Recording, Robot, is_robot_name};
 use crate::rows::{Disk, Spool, SpooledRecording};
 use crate::table::{
     Cells, ColumnSet, LINK_COLUMNS, LINK_POSE_COLUMNS, ROUND_TRIP_COLUMNS, StreamKind, Table,
 };
-use crate::toml_files::{read_text, recording_toml, robot_toml};
+use crate::toml_files::{recording_toml, robot_toml};
 
 /// Reads a folder of CSV files with `recording.toml`.
 ///

@@ -5,9 +5,10 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use crate::error::{Error, Result, write_error};
+use slipstream_bag::output::OutputFolder;
+use slipstream_bag::{Error, Result, write_error};
+
 use crate::import::Spooled;
-use crate::output::OutputFolder;
 use crate::recording::{Recording, UnknownColumn};
 use crate::rows::{AllRows, Disk, LinkRows, RobotRows, Rows};
 use crate::table::{Cells, LINK_COLUMNS, link_columns, number_at};

@@ -1,7 +1,7 @@
 //! Chosen numbers in messages of any type whose definition is known.
 
-use crate::bag::{ChannelInfo, Undecodable};
-use crate::ros::{Encoding, Layout};
+use slipstream_bag::ros::{Encoding, Layout};
+use slipstream_bag::{ChannelInfo, Undecodable};
 
 /// The fields of the messages of a channel. `None` if its encoding or the definition of its type is not known.
 pub(crate) fn layout_of(channel: &ChannelInfo) -> Option<Layout> {

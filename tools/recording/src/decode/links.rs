@@ -1,10 +1,11 @@
 //! Position messages and round trips assembled from messages that arrive one by one.
 
-use crate::bag::{Undecodable, VisitResult};
+use slipstream_bag::ros::cdr::decode;
+use slipstream_bag::ros::messages as ros;
+use slipstream_bag::ros::time::s_from_ns;
+use slipstream_bag::{Undecodable, VisitResult};
+
 use crate::recording::UnknownColumn;
-use crate::ros::cdr::decode;
-use crate::ros::messages as ros;
-use crate::ros::time::s_from_ns;
 use crate::rows::{Disk, Spool, sorted_by_time};
 use crate::table::{Cells, OutOfRange, Table, is_time};
 

@@ -1,9 +1,9 @@
 //! The quantities in one message of any supported type; NaN where the message has none.
 
-use crate::bag::ChannelInfo;
-use crate::ros::Encoding;
-use crate::ros::compose::JOINTS;
-use crate::ros::messages::{self as ros, Header, Pose, Twist};
+use slipstream_bag::ChannelInfo;
+use slipstream_bag::ros::Encoding;
+use slipstream_bag::ros::compose::JOINTS;
+use slipstream_bag::ros::messages::{self as ros, Header, Pose, Twist};
 
 /// Selects one robot's part of a message that describes several joints or frames.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -1,11 +1,12 @@
 //! A robot's stream assembled from messages that arrive one by one.
 
+use slipstream_bag::ros::cdr::decode;
+use slipstream_bag::ros::messages as ros;
+use slipstream_bag::{ChannelInfo, Undecodable, VisitResult};
+
 use super::sample::{MessageSelector, NoSample, Sample};
 use super::speeds::PoseSpeeds;
-use crate::bag::{ChannelInfo, Undecodable, VisitResult};
 use crate::recording::UnknownColumn;
-use crate::ros::cdr::decode;
-use crate::ros::messages as ros;
 use crate::rows::{Disk, Spool, SpooledRecording, sorted_by_time};
 use crate::table::{Cells, ColumnSet, OutOfRange, StreamKind, Table, is_time};
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::bag::ChannelInfo;
+use slipstream_bag::ChannelInfo;
 
 /// So many topics are told apart. A program may announce any number of them.
 const MOST: usize = 4096;

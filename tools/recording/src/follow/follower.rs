@@ -7,17 +7,17 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use slipstream_bag::{
+    Announced, ChannelInfo, Error, Item, Loss, Undecodable, VisitResult, read_growing,
+};
 use slipstream_bus::InputError;
 
 use super::channels::Channels;
 use super::kept::{Kept, Message};
-use crate::bag::{ChannelInfo, Item, Loss, Undecodable, VisitResult, read_growing};
 use crate::carried::{take_model, wheels_in};
-use crate::error::Error;
 use crate::foreign_bag::{
     ForeignFlow, Learning, TopicMap, WheelJoints, WheelNames, is_of_interest,
 };
-use crate::listener::Announced;
 use crate::mcap_file::{OwnFlow, is_stream};
 use crate::recording::Recording;
 use crate::rows::SpooledRecording;

@@ -2,9 +2,8 @@
 
 use std::sync::Arc;
 
+use slipstream_bag::{Bag, ChannelInfo, Item, Loss, Visit, Wanted};
 use slipstream_bus::InputError;
-
-use crate::bag::{Bag, ChannelInfo, Item, Loss, Visit, Wanted};
 
 /// So many bytes of messages are kept, at most.
 const MOST_BYTES: usize = 64 << 20;

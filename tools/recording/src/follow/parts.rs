@@ -2,9 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use slipstream_bag::mcap_files;
 use slipstream_bus::InputError;
-
-use crate::bag::mcap_files;
 
 /// The MCAP file in a folder that comes after `last`, by the numbers in their names; the first one after none.
 ///

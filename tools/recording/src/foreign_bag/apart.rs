@@ -5,13 +5,13 @@ use super::neighbours::{Around, MOST_GAP_S, Neighbours, known_until, passed, use
 use super::rigid;
 use super::source::Quantity;
 use super::turn::about;
-use crate::bag::{ChannelInfo, Undecodable, VisitResult};
 use crate::decode::{Fields, StreamBuilder, wrapped};
-use crate::ros::Encoding;
-use crate::ros::time::s_from_ns;
 use crate::rows::{Disk, Spool, rows_after, sorted_by_time};
 use crate::table::Table;
 use nalgebra::Vector3;
+use slipstream_bag::ros::Encoding;
+use slipstream_bag::ros::time::s_from_ns;
+use slipstream_bag::{ChannelInfo, Undecodable, VisitResult};
 
 /// Between counts that differ by more, a counter may have begun again: nothing lies between them.
 const MOST_COUNTS: f64 = 8192.0;

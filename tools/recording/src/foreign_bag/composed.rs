@@ -6,15 +6,16 @@
 
 use std::fmt::Write as _;
 
+use slipstream_bag::ros::Encoding;
+use slipstream_bag::ros::messages::TransformStamped;
+use slipstream_bag::ros::time::s_from_ns;
+use slipstream_bag::{ChannelInfo, Undecodable, VisitResult};
+
 use super::chain::{Chain, Link};
 use super::clock::Clock;
 use super::neighbours::{MOST_GAP_S, Neighbours, known_until, passed, used};
 use super::rigid::{Rigid, between, in_plane, of_message};
-use crate::bag::{ChannelInfo, Undecodable, VisitResult};
 use crate::decode::StreamBuilder;
-use crate::ros::Encoding;
-use crate::ros::messages::TransformStamped;
-use crate::ros::time::s_from_ns;
 use crate::rows::{Disk, Spool, rows_after, sorted_by_time};
 use crate::table::Table;
 

@@ -2,14 +2,14 @@
 
 use std::fmt::Write as _;
 
+use slipstream_bag::{Bag, Result};
+
 use super::chain::Chain;
 use super::description::{WheelNames, descriptions};
 use super::guess::{Guess, guess};
 use super::numbers::may_have_numbers;
 use super::survey::{Topic, survey};
-use crate::bag::Bag;
 use crate::decode::layout_of;
-use crate::error::Result;
 
 /// The guess of a map as text, with comments on the topics that it leaves out.
 ///

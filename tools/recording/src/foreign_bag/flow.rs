@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
+use slipstream_bag::{Bag, ChannelInfo, VisitResult};
 use slipstream_bus::InputError;
 
 use super::chain::Chain;
@@ -17,7 +18,6 @@ use super::reading::{Reading, Way};
 use super::source::Source;
 use super::survey::{Topic, survey};
 use super::topic_map::TopicMap;
-use crate::bag::{Bag, ChannelInfo, VisitResult};
 use crate::recording::Recording;
 use crate::rows::{Disk, SpooledRecording};
 use crate::table::StreamKind;

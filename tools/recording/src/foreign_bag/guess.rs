@@ -1,5 +1,7 @@
 //! Guess of a topic map from the types, names and contents of the topics.
 
+use slipstream_bag::ros::Encoding;
+
 use super::candidate::{Candidate, has_word, is_of_reference, is_told, robot_of_topic};
 use super::description::WheelJoints;
 use super::frames::Frames;
@@ -8,7 +10,6 @@ use super::survey::{Joint, Topic};
 use super::topic_map::TopicMap;
 use super::{joints, pairs, rolling, transforms, unused};
 use crate::decode::MessageSelector;
-use crate::ros::Encoding;
 use crate::table::StreamKind;
 
 /// Words in topics of estimates that mix sensors, the wheels among them.

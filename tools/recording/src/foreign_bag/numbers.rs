@@ -1,10 +1,11 @@
 //! The numbers in messages of types that have no meaning of their own, and what was seen of them.
 
+use slipstream_bag::ChannelInfo;
+use slipstream_bag::ros::Layout;
+
 use super::candidate::within_robot;
 use super::meaning::{Meaning, meaning};
-use crate::bag::ChannelInfo;
 use crate::decode::{Sample, layout_of};
-use crate::ros::Layout;
 
 /// Packages whose messages say themselves what they are: none is an encoder or a wheel.
 const WITH_MEANING: [&str; 17] = [

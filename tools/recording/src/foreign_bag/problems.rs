@@ -3,12 +3,12 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use slipstream_bag::Loss;
 use slipstream_bus::InputError;
 
 use super::chain::Chain;
 use super::source::Source;
 use super::survey::Topic;
-use crate::bag::Loss;
 use crate::decode::StreamBuilder;
 use crate::table::StreamKind;
 

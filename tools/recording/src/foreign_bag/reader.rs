@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use slipstream_bag::ros::time::s_from_ns;
+use slipstream_bag::{Bag, Result};
 use slipstream_bus::InputError;
 
 use super::clock::Clock;
@@ -14,12 +16,9 @@ use super::problems::{no_stream, problem};
 use super::reading::{Reading, Way, read_streams};
 use super::survey::{Topic, survey};
 use super::topic_map::TopicMap;
-use crate::bag::Bag;
 use crate::decode::StreamBuilder;
-use crate::error::Result;
 use crate::import::Spooled;
 use crate::recording::{PosePoint, ReadFrom, Recording, Robot};
-use crate::ros::time::s_from_ns;
 use crate::rows::{Disk, SpooledRecording};
 
 /// Reads a bag of another robot, and the descriptions of robots in it. Without a map, one is guessed from the topics

@@ -2,15 +2,15 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use slipstream_bag::ros::time::s_from_ns;
+use slipstream_bag::{Bag, ChannelInfo, Item, Loss, VisitResult};
 use slipstream_bus::InputError;
 
 use super::apart::Apart;
 use super::clock::Clock;
 use super::composed::Composed;
 use super::source::Source;
-use crate::bag::{Bag, ChannelInfo, Item, Loss, VisitResult};
 use crate::decode::{Fields, StreamBuilder};
-use crate::ros::time::s_from_ns;
 
 /// A stream being read.
 pub(super) struct Reading {

@@ -1,8 +1,7 @@
 //! Places of frames in space: from messages, between two times, in the plane.
 
 use nalgebra::{Isometry3, Quaternion, Translation3, Unit, UnitQuaternion, Vector3};
-
-use crate::ros::messages::{self as ros, TransformStamped};
+use slipstream_bag::ros::messages::{self as ros, TransformStamped};
 
 /// A frame in another one (m).
 pub(super) type Rigid = Isometry3<f64>;

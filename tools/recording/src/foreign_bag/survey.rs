@@ -3,16 +3,16 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use slipstream_bag::ros::messages::Header;
+use slipstream_bag::ros::{Encoding, Layout};
+use slipstream_bag::{Bag, ChannelInfo, Item, Loss, Undecodable, VisitResult};
 use slipstream_bus::InputError;
 
 use super::clock::Times;
 use super::numbers::{Numbers, layout_of_wheels};
 use super::rigid::{self, Rigid};
 use super::turn::Turned;
-use crate::bag::{Bag, ChannelInfo, Item, Loss, Undecodable, VisitResult};
 use crate::decode::{JointState, MessageSelector, NoSample, Sample, Stamp, layout_of};
-use crate::ros::messages::Header;
-use crate::ros::{Encoding, Layout};
 
 /// So many joints or frames of one topic are told apart. A damaged bag may claim any number of names.
 const MOST_NAMES: usize = 1000;

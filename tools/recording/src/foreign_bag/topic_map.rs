@@ -30,13 +30,13 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use slipstream_bag::{Result, read_text};
 use slipstream_bus::InputError;
 
 use super::source::Source;
-use crate::error::Result;
 use crate::recording::is_robot_name;
 use crate::table::StreamKind;
-use crate::toml_files::{TomlFile, counts_value, quoted, read_text};
+use crate::toml_files::{TomlFile, counts_value, quoted};
 
 /// Which topic of a bag holds which stream of which robot.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -1,5 +1,7 @@
 //! What a guess did not use although it might be a source.
 
+use slipstream_bag::ros::Encoding;
+
 use super::candidate::is_told;
 use super::joints;
 use super::meaning::Meaning;
@@ -8,7 +10,6 @@ use super::pairs::meaning_of;
 use super::source::Source;
 use super::survey::Topic;
 use crate::decode::layout_of;
-use crate::ros::Encoding;
 use crate::table::StreamKind;
 
 /// So many sources are named.

@@ -26,14 +26,14 @@
 
 use std::path::Path;
 
+use slipstream_bag::{Result, read_text};
 use slipstream_bus::InputError;
 
 use super::entry::{RobotEntry, StreamEntry};
 use super::stream_table::parse_stream;
-use crate::error::Result;
 use crate::recording::{PosePoint, Robot, is_robot_name};
 use crate::table::StreamKind;
-use crate::toml_files::{Section, TomlFile, read_text};
+use crate::toml_files::{Section, TomlFile};
 
 /// Which column of which file is which column of which stream.
 #[derive(Debug, Clone, Default, PartialEq)]

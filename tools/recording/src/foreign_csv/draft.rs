@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use slipstream_bag::Result;
 use slipstream_bus::InputError;
 
 use super::column_map::ColumnMap;
@@ -10,7 +11,6 @@ use super::entry::{Column, FileFormat, RobotEntry, Source, StreamEntry, TimeEntr
 use super::guess::{Guessed, guess};
 use super::layout::{Layout, Sample};
 use super::map_text::table_text;
-use crate::error::Result;
 use crate::table::StreamKind;
 
 /// Name of a robot that the file does not name.

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
+use slipstream_bag::refuse_pointer;
 use slipstream_bus::InputError;
 
 use super::entry::FileFormat;
 use super::lines::{CellsOfLine, Lines, comment, text};
-use crate::git_lfs::refuse_pointer;
 
 /// So many rows tell the layout.
 const SAMPLE_ROWS: usize = 60;

@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use slipstream_bag::Result;
+use slipstream_bag::ros::messages::Quaternion;
 use slipstream_bus::InputError;
 
 use super::clock::{Clock, unit_of};
@@ -10,10 +12,8 @@ use super::column_map::ColumnMap;
 use super::entry::{Source, StreamEntry};
 use super::moment::Moment;
 use super::table::{Cell, ForeignCsv};
-use crate::error::Result;
 use crate::import::Spooled;
 use crate::recording::{ReadFrom, Recording};
-use crate::ros::messages::Quaternion;
 use crate::rows::{Disk, Spool, SpooledRecording, sorted_by_time};
 use crate::table::{Table, is_time, out_of_range};
 

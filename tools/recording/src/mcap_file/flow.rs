@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use slipstream_bag::{Item, Result, VisitResult};
+
 use super::reader::{Loader, describe};
-use crate::bag::{Item, VisitResult};
-use crate::error::Result;
 use crate::rows::{Disk, SpooledRecording};
 
 /// The streams of a file that does not end.

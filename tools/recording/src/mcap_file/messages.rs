@@ -2,9 +2,8 @@
 
 use std::path::Path;
 
-use crate::bag::{Item, Loss, open_file, read_bag};
-use crate::error::Result;
-use crate::listener::{Announced, Listener};
+use slipstream_bag::{Announced, Item, Listener, Loss, Result, open_file, read_bag};
+
 use crate::topics;
 
 /// Gives every topic and every message of an MCAP file to `listener`, in file order. Returns what could not be read.

@@ -5,15 +5,14 @@ use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
+use slipstream_bag::ros::MessageType;
+use slipstream_bag::ros::time::s_from_ns;
+use slipstream_bag::{ChannelInfo, Item, Loss, Result, Summary, VisitResult, read_bag};
 use slipstream_bus::InputError;
 
-use crate::bag::{ChannelInfo, Item, Loss, Summary, VisitResult, read_bag};
 use crate::decode::{LinksBuilder, RoundTripsBuilder, StreamBuilder};
-use crate::error::Result;
 use crate::import::{Import, Spooled};
 use crate::recording::{Recording, is_robot_name};
-use crate::ros::MessageType;
-use crate::ros::time::s_from_ns;
 use crate::rows::{Disk, SpooledRecording};
 use crate::table::StreamKind;
 use crate::toml_files::{recording_toml, robot_toml};

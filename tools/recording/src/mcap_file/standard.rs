@@ -1,11 +1,11 @@
 //! Standard ROS 2 messages of each stream: type, topic, and the message of a row.
 
-use crate::bag::{BagWriter, Channel};
-use crate::error::Result;
-use crate::ros::MessageType;
-use crate::ros::compose::{WORLD, header, imu, joint_state};
-use crate::ros::messages::{self as ros, Pose, Quaternion, Twist, Vector3};
-use crate::ros::time::is_whole_ns;
+use slipstream_bag::ros::MessageType;
+use slipstream_bag::ros::compose::{WORLD, header, imu, joint_state};
+use slipstream_bag::ros::messages::{self as ros, Pose, Quaternion, Twist, Vector3};
+use slipstream_bag::ros::time::is_whole_ns;
+use slipstream_bag::{BagWriter, Channel, Result};
+
 use crate::table::{Cells, StreamKind, Table};
 
 /// The standard message type of a stream, and the last part of its topic.

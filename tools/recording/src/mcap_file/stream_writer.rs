@@ -7,15 +7,15 @@
 
 use std::f64::consts::TAU;
 
+use slipstream_bag::ros::MessageType;
+use slipstream_bag::ros::compose::joint_state;
+use slipstream_bag::ros::messages as ros;
+use slipstream_bag::ros::time::{is_whole_ns, ns_from_s};
+use slipstream_bag::{BagWriter, Channel, Result};
+
 use super::standard::{is_lossless, standard_type, write_standard};
-use crate::bag::{BagWriter, Channel};
-use crate::error::Result;
+use crate::position::{Fate, PositionRecord};
 use crate::recording::{Robot, UnknownColumn};
-use crate::ros::MessageType;
-use crate::ros::compose::joint_state;
-use crate::ros::messages as ros;
-use crate::ros::position::{Fate, PositionRecord};
-use crate::ros::time::{is_whole_ns, ns_from_s};
 use crate::rows::{LinkRows, RowCursor, Rows};
 use crate::table::{
     Cells, LINK_COLUMNS, ROUND_TRIP_COLUMNS, StreamKind, Table, link_columns, number_at,

@@ -2,12 +2,11 @@
 
 use std::path::Path;
 
+use slipstream_bag::ros::cdr::decode;
+use slipstream_bag::ros::messages::TraceEvent;
+use slipstream_bag::{Item, Loss, Result, Undecodable, open_file, read_bag};
 use slipstream_bus::InputError;
 
-use crate::bag::{Item, Loss, Undecodable, open_file, read_bag};
-use crate::error::Result;
-use crate::ros::cdr::decode;
-use crate::ros::messages::TraceEvent;
 use crate::toml_files::recording_toml;
 use crate::topics;
 

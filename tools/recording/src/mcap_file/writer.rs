@@ -4,11 +4,11 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 use std::path::Path;
 
+use slipstream_bag::output::OutputFile;
+use slipstream_bag::{BagWriter, Result};
+
 use super::stream_writer::StreamWriter;
-use crate::bag::BagWriter;
-use crate::error::Result;
 use crate::import::Spooled;
-use crate::output::OutputFile;
 use crate::recording::Recording;
 use crate::rows::AllRows;
 use crate::toml_files::{recording_toml, robot_toml};

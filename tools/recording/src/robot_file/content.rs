@@ -3,10 +3,10 @@
 use std::io::Read as _;
 use std::path::Path;
 
+use slipstream_bag::refuse_pointer;
 use slipstream_bus::InputError;
 
 use super::described::Kind;
-use crate::git_lfs::refuse_pointer;
 
 /// Largest file that is read (bytes). The largest robots have a few hundred kilobytes.
 const MAX_BYTES: u64 = 4 << 20;

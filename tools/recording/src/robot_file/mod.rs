@@ -35,9 +35,8 @@ mod xml;
 
 use std::path::Path;
 
+use slipstream_bag::Result;
 use slipstream_bus::{InputError, RobotModel};
-
-use crate::error::Result;
 
 pub use described::{Described, Kind, Missing, Source, Taken};
 

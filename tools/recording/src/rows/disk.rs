@@ -5,8 +5,8 @@ use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::rc::Rc;
 
-use crate::error::{Result, write_error};
-use crate::output::unnamed_file;
+use slipstream_bag::output::unnamed_file;
+use slipstream_bag::{Result, write_error};
 
 /// A temporary file (in `TMPDIR`) shared by many lists that do not fit into memory. It is created with
 /// the first block and has no name, so that it disappears with the process, however that ends.

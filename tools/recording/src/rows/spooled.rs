@@ -1,10 +1,11 @@
 //! A recording being read, with its rows in spools.
 
+use slipstream_bag::Result;
+
 use super::all_rows::{AllRows, LinkRows, RobotRows};
 use super::cursor::Rows;
 use super::disk::Disk;
 use super::spool::Spool;
-use crate::error::Result;
 use crate::recording::{LinkMessage, Links, NamePool, Recording, Robot, RoundTrips};
 use crate::table::{Cells, StreamKind, Table};
 

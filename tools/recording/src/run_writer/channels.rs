@@ -2,12 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use slipstream_bag::ros::MessageType;
+use slipstream_bag::{BagWriter, Channel, Result};
 use slipstream_bus::experiment::{Drive, WheelSource};
 
 use super::header::RunHeader;
-use crate::bag::{BagWriter, Channel};
-use crate::error::Result;
-use crate::ros::MessageType;
 use crate::table::{LINK_COLUMNS, StreamKind};
 use crate::topics::{self, StreamMetadata, robot_topic};
 

@@ -1,6 +1,6 @@
 //! Contact state of a driven wheel: as plain data, and as its ROS 2 message.
 
-use crate::ros::messages as ros;
+use slipstream_bag::ros::messages as ros;
 
 /// True contact state of a driven wheel.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -29,7 +29,7 @@ mod contact;
 mod header;
 mod writer;
 
-pub use crate::ros::position::{Fate, PositionRecord};
+pub use crate::position::{Fate, PositionRecord};
 pub use contact::WheelContact;
 pub use header::{Attachment, RunHeader};
 pub use writer::RunWriter;

@@ -9,17 +9,15 @@ use std::io::{BufWriter, Write};
 use std::path::Path;
 
 use serde::Serialize;
+use slipstream_bag::output::lock_recording;
+use slipstream_bag::ros::compose::{WORLD, header, imu, joint_state, odometry};
+use slipstream_bag::ros::messages::{self as ros, Pose, Quaternion, Time, Twist, Vector3};
+use slipstream_bag::{BagWriter, Listener, Result, announce};
 
 use super::channels::{Channels, RobotTopic, SharedTopic};
 use super::contact::WheelContact;
 use super::header::RunHeader;
-use crate::bag::{BagWriter, announce};
-use crate::error::Result;
-use crate::listener::Listener;
-use crate::output::lock_recording;
-use crate::ros::compose::{WORLD, header, imu, joint_state, odometry};
-use crate::ros::messages::{self as ros, Pose, Quaternion, Time, Twist, Vector3};
-use crate::ros::position::PositionRecord;
+use crate::position::PositionRecord;
 use crate::toml_files::{recording_toml, robot_toml};
 use crate::topics;
 

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::path::Path;
 
+use slipstream_bag::Result;
 use slipstream_bus::InputError;
 
 use super::content::{Log, Row};
-use crate::error::Result;
 use crate::import::Spooled;
 use crate::recording::{Recording, is_robot_name};
 use crate::rows::{Disk, Spool, SpooledRecording, sorted_by_time};

@@ -6,29 +6,6 @@ use slipstream_bus::{Encoder, InputError};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::git_lfs::refuse_pointer;
-
-/// Largest TOML file that is read (bytes). Models and descriptions have a few kilobytes.
-const MAX_BYTES: u64 = 4 << 20;
-
-/// Reads a text file of bounded size.
-///
-/// # Errors
-/// If the file cannot be read, is not UTF-8, is too large or a pointer of Git LFS.
-pub(crate) fn read_text(path: &Path) -> Result<String, InputError> {
-    let size = std::fs::metadata(path).map_err(|e| InputError::unreadable(path, &e))?;
-    if size.len() > MAX_BYTES {
-        return Err(InputError::file(
-            path,
-            format!("has {} bytes, too many for a TOML file", size.len()),
-            "give a TOML file, not the data",
-        ));
-    }
-    let text = std::fs::read_to_string(path).map_err(|e| InputError::unreadable(path, &e))?;
-    refuse_pointer(text.as_bytes(), path)?;
-    Ok(text)
-}
-
 /// A TOML string.
 pub(crate) fn quoted(text: &str) -> String {
     toml::Value::String(text.to_owned()).to_string()

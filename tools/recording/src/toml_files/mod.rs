@@ -4,4 +4,4 @@ mod document;
 pub mod recording_toml;
 pub mod robot_toml;
 
-pub(crate) use document::{Entry, Section, TomlFile, counts_value, quoted, read_text};
+pub(crate) use document::{Entry, Section, TomlFile, counts_value, quoted};

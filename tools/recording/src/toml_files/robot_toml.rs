@@ -23,14 +23,14 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use slipstream_bag::output::write_file;
+use slipstream_bag::{Result, read_text};
 use slipstream_bus::{Body, EffectSpec, Encoder, InputError, Motor, Parameter, RobotModel};
 use slipstream_sim::Robot;
 use toml::de::DeValue;
 
-use super::document::{Entry, Section, TomlFile, counts_value, read_text};
-use crate::error::Result;
+use super::document::{Entry, Section, TomlFile, counts_value};
 use crate::field::{Field, names};
-use crate::output::write_file;
 
 /// Keys of the root table.
 pub const FILE: [Field; 5] = [

@@ -4,11 +4,11 @@ use std::io::Write;
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
+use slipstream_bag::ros::wire;
 use slipstream_bus::message::Actuation;
 use slipstream_bus::transport::BusError;
 use slipstream_bus::{Camera, Imu, InputError, RobotModel, Sensors};
 use slipstream_ipc::clock::{Monotonic, WallClock};
-use slipstream_recording::wire;
 
 use super::robot::{BoxedRobot, Measured};
 use crate::lab::{CommandMessage, Content, Lab, LabRobot, WheelTopic};

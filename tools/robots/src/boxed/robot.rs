@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
+use slipstream_bag::ros::wire::{ImuValue, OdometryValue};
 use slipstream_bus::message::Actuation;
 use slipstream_bus::{Encoder, InputError, RobotModel, Sensors};
-use slipstream_recording::wire::{ImuValue, OdometryValue};
 use slipstream_sim::{Command, Setup, World};
 
 /// Longest step of the plant (ns).

@@ -1,10 +1,10 @@
 //! One robot of a fleet: what was heard of it, and what it is told.
 
+use slipstream_bag::ros::wire;
 use slipstream_bus::experiment::{Drive, RobotSetup};
 use slipstream_bus::message::{Actuation, DriveCommand, Encoders, RobotIndex};
 use slipstream_bus::record::{EventKind, Record, Recorder};
 use slipstream_bus::time::s_from_ns;
-use slipstream_recording::wire;
 
 use super::report::RobotReport;
 use super::stamps::StampClock;

@@ -6,6 +6,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
+use slipstream_bag::ros::wire;
 use slipstream_bus::Experiment;
 use slipstream_bus::experiment::OnDeath;
 use slipstream_bus::message::{Actuation, Encoders};
@@ -18,7 +19,6 @@ use slipstream_ipc::presence::{Parent, Presence};
 use slipstream_ipc::record_pipe::RecordSender;
 use slipstream_ipc::services::{PLANT_CHUNK, Services};
 use slipstream_ipc::wake_page::{Member, Stage};
-use slipstream_recording::wire;
 
 use self::spacing::Spacings;
 use crate::fleet::{Fleet, RobotReport, Standing};

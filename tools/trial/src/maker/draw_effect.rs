@@ -38,25 +38,6 @@ pub const VOCABULARY: [&str; 29] = [
     "push",
 ];
 
-/// The effects of a kinematic model (masses unknown) under commanded speeds.
-pub(crate) const OF_SPEEDS: [&str; 15] = [
-    "actuator_lag",
-    "actuator_delay",
-    "motor_gain",
-    "supply_sag",
-    "command_dead_band",
-    "command_saturation",
-    "wheel_radius",
-    "track_width",
-    "pose_offset",
-    "pose_latency",
-    "wheels_latency",
-    "imu_latency",
-    "encoder_scale",
-    "clock_drift",
-    "link_delay",
-];
-
 /// What the draw of an effect depends on.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Setting<'a> {

@@ -5,11 +5,11 @@ mod table;
 
 use std::path::Path;
 
+use slipstream_bag::yaml::{self, Node, Value};
 use slipstream_bus::InputError;
 
 use self::table::Table;
 use super::drive::Drive;
-use crate::yaml::{self, Node, Value};
 
 /// Between the names of a namespace and a controller in it.
 const SEPARATOR: &str = "/";

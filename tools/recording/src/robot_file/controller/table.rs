@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
+use slipstream_bag::yaml::{Node, Value};
 use slipstream_bus::InputError;
 
 use crate::robot_file::drive::{Drive, Multipliers, Sort};
 use crate::robot_file::parameter_names::{Quantity, names_joints, quantity_of};
 use crate::robot_file::words::one_line;
 use crate::sides::side_of;
-use crate::yaml::{Node, Value};
 
 /// Parameters of diff_drive_controller: in these, what is no number is a mistake. Others are left alone then, since
 /// another program may mean something else by them.

@@ -1,10 +1,11 @@
 //! Draws a scene for the specification of a case.
 
 use slipstream_bus::{EffectSpec, Parameter, RobotModel};
+use slipstream_sim::effects::find;
 use slipstream_trial_plant::Physics;
 
 use super::case_spec::{Begin, CaseSpec};
-use crate::maker::draw_effect::{OF_SPEEDS, Setting, effect, outside_effect};
+use crate::maker::draw_effect::{Setting, effect, outside_effect};
 use crate::maker::manoeuvre::{CommandKind, Style};
 use crate::maker::process_noise::draw_noise;
 use crate::maker::random::RandomStream;
@@ -18,7 +19,8 @@ use crate::maker::simulate::simulate;
 pub(super) fn draw_scene(spec: &CaseSpec, seed: u64) -> Result<Scene, String> {
     let mut random = RandomStream::new(seed, 0);
     let slides = spec.needs(&["wheel_slip", "friction_patch", "load_transfer"]);
-    let kinematic = spec.effects.iter().all(|id| OF_SPEEDS.contains(id)) && spec.outside.is_none();
+    let needs_no_masses = |id: &&str| find(id).is_some_and(|info| info.kinematic);
+    let kinematic = spec.effects.iter().all(needs_no_masses) && spec.outside.is_none();
     let control = spec.control.unwrap_or_else(|| control(spec, &mut random));
     let command_kind = spec
         .command_kind
