@@ -10,8 +10,8 @@ use slipstream_hosts::hello::is_host_name;
 use slipstream_launch::RunStatus;
 use slipstream_launch::processes::{self, Joining};
 
-use crate::across::{Protection, require_network};
 use crate::exit::{Error, Exit};
+use crate::host_options::{Protection, require_network};
 use crate::print::{eprint_line, print_line};
 use crate::subject::named_programs;
 

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use slipstream_hosts::network;
 
-use crate::across::require_network;
 use crate::exit::{Error, Exit};
+use crate::host_options::require_network;
 use crate::print::print_line;
 
 /// Make the certificates with which the hosts of a run know each other

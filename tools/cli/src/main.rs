@@ -1,9 +1,9 @@
 //! The command line `slipstream`: parses arguments, calls the packages, prints results, sets the exit code.
 
-mod across;
 mod check;
 mod clean;
 mod command_line;
+mod common_options;
 mod compare;
 mod completions;
 mod diagnose;
@@ -11,7 +11,7 @@ mod effects;
 mod estimate;
 mod exit;
 mod export;
-mod habits;
+mod host_options;
 mod import;
 mod interrupt;
 mod join;
@@ -45,8 +45,8 @@ use std::process::ExitCode;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use slipstream_launch::processes::roles;
 
+use crate::common_options::CommonOptions;
 use crate::exit::{Error, Exit};
-use crate::habits::Habits;
 use crate::print::eprint_line;
 
 /// Simulate differential-drive robots in formation, measure latency, and find what a robot model lacks
@@ -56,7 +56,7 @@ use crate::print::eprint_line;
 #[command(name = "slipstream", version = env!("SLIPSTREAM_VERSION"))]
 struct Arguments {
     #[command(flatten)]
-    habits: Habits,
+    common: CommonOptions,
     #[command(subcommand)]
     command: Option<Command>,
 }
@@ -108,7 +108,7 @@ fn run() -> Result<Exit, Error> {
     }
     let matches = Arguments::command().get_matches();
     let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
-    arguments.habits.apply(&matches)?;
+    arguments.common.apply(&matches)?;
     let is_alone = arguments.command.is_none();
     let command = arguments
         .command

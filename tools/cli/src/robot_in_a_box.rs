@@ -12,8 +12,8 @@ use slipstream_recording::robot_file;
 use slipstream_robots::boxed::{self, BoxError, BoxOptions, BoxReport};
 use slipstream_robots::lab::{Lab, LabRobot};
 
-use crate::across::require_network;
 use crate::exit::{Error, Exit};
+use crate::host_options::require_network;
 use crate::print::{eprint_line, print_line};
 use crate::{interrupt, output_file};
 

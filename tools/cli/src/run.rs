@@ -10,10 +10,10 @@ use slipstream_launch::{
     resolve,
 };
 
-use crate::across::{Listening, require_network};
 use crate::command_line::command_line;
+use crate::common_options::vacant;
 use crate::exit::{Error, Exit};
-use crate::habits::vacant;
+use crate::host_options::{Listening, require_network};
 use crate::output_file;
 use crate::print::{self, eprint_line};
 use crate::subject::Subject;

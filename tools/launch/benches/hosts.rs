@@ -26,12 +26,12 @@ use slipstream_hosts::network;
 use harness::{experiment, remote, run_across};
 
 type Home = Box<dyn PlantCarrier + Send>;
-type Away = Box<dyn HostCarrier + Send>;
+type JoinedHost = Box<dyn HostCarrier + Send>;
 
 /// A way from host to host.
 struct Way {
     name: &'static str,
-    open: fn() -> (Home, Away),
+    open: fn() -> (Home, JoinedHost),
 }
 
 const WAYS: [Way; 4] = [
@@ -93,15 +93,15 @@ fn round_trips(way: &Way, pause: Option<Duration>) -> [f64; 2] {
     let mut times: Vec<f64> = std::thread::scope(|scope| {
         scope.spawn(move || {
             // The first frame shows that the way is open.
-            away.send(&[0; 100]).unwrap();
+            host.send(&[0; 100]).unwrap();
             let mut answered = 0;
             while answered < TRIPS {
-                match away.receive(Duration::from_millis(100)).unwrap() {
+                match host.receive(Duration::from_millis(100)).unwrap() {
                     Some(frame) => {
-                        away.send(&frame).unwrap();
+                        host.send(&frame).unwrap();
                         answered += 1;
                     }
-                    None => away.send(&[0; 100]).unwrap(),
+                    None => host.send(&[0; 100]).unwrap(),
                 }
             }
             std::thread::sleep(Duration::from_millis(200));
@@ -135,7 +135,7 @@ fn real_time_factor(way: &Way, robots: u32, held: Duration) -> f64 {
     let remote = remote(&[("b", &far)]);
     let run = |_| {
         let (home, away) = (way.open)();
-        let away: Away = Box::new(Held { away, held });
+        let away: JoinedHost = Box::new(Held { away, held });
         let (outcome, _) = run_across(&experiment, &remote, home, vec![away]);
         experiment.settings.duration_s / outcome.loop_s
     };
@@ -144,7 +144,7 @@ fn real_time_factor(way: &Way, robots: u32, held: Duration) -> f64 {
 
 /// A host whose answers are held back.
 struct Held {
-    away: Away,
+    away: JoinedHost,
     held: Duration,
 }
 
@@ -155,11 +155,11 @@ impl HostCarrier for Held {
             let _ = rustix::thread::set_current_timer_slack(NonZeroU64::new(1));
             std::thread::sleep(self.held);
         }
-        self.away.send(frame)
+        self.host.send(frame)
     }
 
     fn receive(&mut self, timeout: Duration) -> Result<Option<Vec<u8>>, BusError> {
-        self.away.receive(timeout)
+        self.host.receive(timeout)
     }
 }
 
@@ -168,10 +168,10 @@ fn port() -> u16 {
     listener.local_addr().unwrap().port()
 }
 
-fn zenoh(security: &Security) -> (Home, Away) {
+fn zenoh(security: &Security) -> (Home, JoinedHost) {
     let address = format!("tcp/127.0.0.1:{}", port()).parse().unwrap();
     let home = network::listen(&address, security).unwrap();
-    let away = network::connect(&address, security, "b").unwrap();
+    let host = network::connect(&address, security, "b").unwrap();
     (home, away)
 }
 
@@ -186,10 +186,10 @@ struct Memory {
     receiver: Receiver<Vec<u8>>,
 }
 
-fn memory() -> (Home, Away) {
+fn memory() -> (Home, JoinedHost) {
     let (sender, at_host) = channel();
     let (up, receiver) = channel();
-    let away = Memory {
+    let host = Memory {
         sender: up,
         receiver: at_host,
     };
@@ -221,9 +221,9 @@ impl HostCarrier for Memory {
 /// A connection with a length before each frame.
 struct Tcp(TcpStream);
 
-fn tcp() -> (Home, Away) {
+fn tcp() -> (Home, JoinedHost) {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-    let away = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
+    let host = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
     let (home, _) = listener.accept().unwrap();
     for stream in [&home, &away] {
         stream.set_nodelay(true).unwrap();

@@ -8,8 +8,8 @@ use slipstream_report::compare::Comparison;
 
 use super::arguments::Arguments;
 use crate::command_line::command_line;
+use crate::common_options::vacant;
 use crate::exit::{Error, Exit};
-use crate::habits::vacant;
 use crate::models::Models;
 use crate::print::print_line;
 use crate::provenance;

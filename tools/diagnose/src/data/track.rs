@@ -97,7 +97,7 @@ pub(crate) struct Track {
     /// From when (s) each command holds.
     pub(crate) commands: Vec<(f64, Command)>,
     pub(crate) series: Vec<Series>,
-    /// Times (s) of which nothing is believed, nor simulated.
+    /// Intervals (s) excluded from the analysis and from the simulation.
     pub(crate) left_out_s: Vec<[f64; 2]>,
     /// From c forward to the tracked point (m).
     pub(crate) tracked_ahead_m: f64,

@@ -14,7 +14,7 @@ use super::information::Rows;
 use super::whitened::{Whitened, dot};
 
 /// Probability that a row errs by itself.
-const ALONE: f64 = 0.06;
+const OUTLIER_PROBABILITY: f64 = 0.06;
 /// Least share of the variance that is not common: stamps are rounded, filters begin differently.
 const LEAST_SHARE: f64 = 1e-3;
 /// Deviation of the logit of the share before the data.
@@ -62,8 +62,8 @@ impl Pair {
         let count = (0..3).filter(|i| a.u[*i] != 0.0 || b.u[*i] != 0.0).count() as f64;
         let d: [f64; 3] = std::array::from_fn(|i| b.u[i] - rho * a.u[i]);
         let (dd, da, bb) = (dot(&d, &d), dot(&d, &a.u), dot(&b.u, &b.u));
-        let own = (1.0 - ALONE).ln() - 0.5 * (dd / share + count * share.ln() - bb);
-        let alone = ALONE.ln();
+        let own = (1.0 - OUTLIER_PROBABILITY).ln() - 0.5 * (dd / share + count * share.ln() - bb);
+        let alone = OUTLIER_PROBABILITY.ln();
         let top = own.max(alone);
         let gain = top + ((own - top).exp() + (alone - top).exp()).ln();
         let common = (own - gain).exp();
@@ -244,6 +244,6 @@ mod tests {
     #[test]
     fn a_row_that_errs_by_itself_costs_a_bounded_amount() {
         let (a, b) = (whitened([0.1; 3]), whitened([40.0; 3]));
-        assert!((Pair::new(&a, &b, 0.01).gain - ALONE.ln()).abs() < 1e-9);
+        assert!((Pair::new(&a, &b, 0.01).gain - OUTLIER_PROBABILITY.ln()).abs() < 1e-9);
     }
 }

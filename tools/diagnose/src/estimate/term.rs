@@ -78,7 +78,7 @@ pub(crate) struct Term {
     /// It cannot be negative.
     pub(crate) positive: bool,
     /// It acts all the time: it has to be of use for predictions.
-    pub(crate) lasting: bool,
+    pub(crate) needs_relevance: bool,
     /// It acts at moments: its gain decides, not how blocks of time agree.
     pub(crate) rare: bool,
     pub(crate) acts: Acts,

@@ -32,7 +32,7 @@ pub(super) fn dot(x: &[f64; 3], y: &[f64; 3]) -> f64 {
 }
 
 /// By which factor an innovation of this size is drawn in, and the factor's derivative by the size.
-fn drawn_in(size: f64) -> [f64; 2] {
+fn winsorised(size: f64) -> [f64; 2] {
     if size <= TAIL {
         return [1.0, 0.0];
     }
@@ -57,7 +57,7 @@ impl Whitened {
         } else {
             [of(0), of(1), of(2)]
         };
-        let [factor, _] = drawn_in(dot(&raw, &raw).sqrt());
+        let [factor, _] = winsorised(dot(&raw, &raw).sqrt());
         Self {
             block,
             weight: row.weight,
@@ -91,7 +91,7 @@ impl Whitened {
             }
         }
         let size = dot(&self.raw, &self.raw).sqrt();
-        let [factor, slope] = drawn_in(size);
+        let [factor, slope] = winsorised(size);
         let turned = slope * dot(&self.raw, &full) / size.max(f64::MIN_POSITIVE);
         let drawn = std::array::from_fn(|i| factor * full[i] + self.raw[i] * turned);
         [drawn, mean]

@@ -17,7 +17,7 @@ const ALIKE_NATS: f64 = 1.92;
 /// Dead bands at most that are tried to each side for an interval.
 const BANDS: usize = 60;
 /// Factor from which on a wheel is no longer of another size, but encoders count otherwise.
-const FAR: f64 = 1.8;
+const MISCOUNT_FACTOR: f64 = 1.8;
 /// Tyres of one robot change by less between two recordings (logarithm of a factor).
 pub(crate) const TYRES: f64 = 0.03;
 
@@ -242,7 +242,10 @@ impl Naming<'_> {
     /// Wheels whose size is far from the model's, with no command that tells them from encoders: no wheel is
     /// that much larger than its data, encoders and gears are.
     fn miscounted(&self, claim: &mut Claim) {
-        let far = claim.values.iter().any(|own| own.change.abs() > FAR.ln());
+        let far = claim
+            .values
+            .iter()
+            .any(|own| own.change.abs() > MISCOUNT_FACTOR.ln());
         let commanded = self.streams.drive.is_some() || self.streams.reference.is_commanded();
         if claim.effect != "wheel_radius" || commanded || !far {
             return;

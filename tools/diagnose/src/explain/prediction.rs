@@ -187,7 +187,7 @@ pub(crate) fn deviations(
     all
 }
 
-/// Every how manieth row of a window of so many is predicted, of `all` rows of the recording.
+/// Decimation factor of the `window` rows of a window that is predicted, of `all` rows of the recording.
 fn stride(all: usize, window: usize) -> usize {
     let wanted = all.div_ceil(MOST_ROWS);
     wanted.min(window / LEAST_ROWS).max(1)

@@ -74,7 +74,7 @@ fn joined(names: &[&str], worth: &[f64]) -> Vec<(String, f64)> {
 }
 
 /// The budget of a robot's prediction error, given the mean square error of every subset of the findings
-/// called `names` (as bits); none of an error that is none.
+/// called `names` (as bits); `None` if the error is zero.
 ///
 /// Parts are at least 0 and add up to `before`; what is unexplained and the sensor's noise add up to `after`.
 pub(super) fn budget(squares: &Squares<'_>, names: &[&str], worth: &[f64]) -> Option<Budget> {

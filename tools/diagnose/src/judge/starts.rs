@@ -4,7 +4,7 @@ use super::score::Score;
 
 /// A start is not known where it is so many standard deviations from what it was fitted to, and so many times as far
 /// as half of the others.
-const FAR: f64 = 5.0;
+const UNKNOWN_START_DEVIATIONS: f64 = 5.0;
 const TIMES: f64 = 10.0;
 /// So many windows at most are left out of each one.
 const SHARE: usize = 3;
@@ -16,7 +16,7 @@ pub(crate) fn known(scores: &[Score]) -> Vec<bool> {
     let Some(middle) = levels.get(levels.len() / 2) else {
         return Vec::new();
     };
-    let most = FAR.max(TIMES * middle);
+    let most = UNKNOWN_START_DEVIATIONS.max(TIMES * middle);
     let known: Vec<bool> = scores.iter().map(|own| own.start() <= most).collect();
     let left_out = known.iter().filter(|own| !**own).count();
     if left_out * SHARE > scores.len() {

@@ -5,9 +5,9 @@ pub(crate) mod drawn;
 mod facing;
 #[cfg(test)]
 pub(crate) mod fixture;
-pub(crate) mod misfit;
 pub(crate) mod prediction;
 pub(crate) mod predictor;
 pub(crate) mod simulation;
 pub(crate) mod start;
+pub(crate) mod sum_of_squares;
 pub(crate) mod window;

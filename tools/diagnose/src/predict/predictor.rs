@@ -13,9 +13,9 @@ use crate::model::hypothesis::{
     Hypothesis, changes_commands_over_time, is_bound_to_place, slides, with,
 };
 use crate::predict::facing::Facing;
-use crate::predict::misfit::Misfit;
-use crate::predict::simulation::{Simulated, hardened};
+use crate::predict::simulation::{Simulated, asinh_expanded};
 use crate::predict::start::Start;
+use crate::predict::sum_of_squares::SumOfSquares;
 use crate::predict::window::{Window, at_most, cut_some};
 use crate::request::{Request, model_of};
 
@@ -204,7 +204,7 @@ impl Predictor {
                 *residual = f64::NAN;
             }
         }
-        let head = Misfit::new(window, &head);
+        let head = SumOfSquares::new(window, &head);
         let levels = FITTED.map(|channel| head.mean_square(channel).sqrt());
         let start = levels.into_iter().fold(0.0, f64::max);
         let acceleration = [0, 1].map(|part| Sensor::Imu.channel() + part);
@@ -213,7 +213,7 @@ impl Predictor {
             if *stamp_s < window.from_s + fitted_s {
                 *residual = f64::NAN;
             } else if acceleration.contains(&usize::from(*channel)) {
-                *residual = hardened(*residual);
+                *residual = asinh_expanded(*residual);
             }
         }
         Some(Judged {

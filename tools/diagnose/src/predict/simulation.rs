@@ -15,7 +15,7 @@ const BEFORE_S: f64 = 2e-3;
 const BEYOND_S: f64 = 0.5;
 
 /// A residual larger than this says no more than that it is off (deviations).
-const FAR: f64 = 1e5;
+const LARGEST_RESIDUAL: f64 = 1e5;
 
 /// Residual of an acceleration from which on it counts less (deviations).
 const SOFT: f64 = 3.0;
@@ -269,9 +269,9 @@ impl<'a> Seen<'a> {
         let base = window.base[which] + (row - window.rows[which][0]) * width;
         for part in 0..width {
             let residual = (simulated[part] - values[part]) / series.deviation[part];
-            let residual = residual.clamp(-FAR, FAR);
+            let residual = residual.clamp(-LARGEST_RESIDUAL, LARGEST_RESIDUAL);
             self.residuals[base + part] = if series.sensor == Sensor::Imu && part < 2 {
-                softened(residual)
+                asinh_compressed(residual)
             } else {
                 residual
             };
@@ -281,12 +281,12 @@ impl<'a> Seen<'a> {
 
 /// A residual of an acceleration, in which what is far off counts less: accelerations jump where a
 /// wheel begins to slide, and a sample beside a jump is on either side of it by chance.
-fn softened(residual: f64) -> f64 {
+fn asinh_compressed(residual: f64) -> f64 {
     SOFT * (residual / SOFT).asinh()
 }
 
-/// What a softened residual was.
-pub(crate) fn hardened(residual: f64) -> f64 {
+/// What a asinh_compressed residual was.
+pub(crate) fn asinh_expanded(residual: f64) -> f64 {
     SOFT * (residual / SOFT).sinh()
 }
 

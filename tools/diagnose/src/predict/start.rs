@@ -4,8 +4,8 @@ use nalgebra::{SMatrix, SVector};
 use slipstream_bus::Body;
 
 use crate::data::track::{Sensor, Track};
-use crate::predict::misfit::Misfit;
 use crate::predict::simulation::Simulated;
+use crate::predict::sum_of_squares::SumOfSquares;
 use crate::predict::window::{LOCALS, Window};
 
 /// Iterations of a fit.
@@ -71,14 +71,14 @@ impl<'a> Start<'a> {
 
     /// The start by Levenberg and Marquardt. `None` where nothing is finite.
     pub(crate) fn fitted(mut self) -> Option<[f64; LOCALS]> {
-        let mut misfit = Misfit::new(self.window, &self.residuals);
+        let mut squares = SumOfSquares::new(self.window, &self.residuals);
         let mut damping = DAMPING;
-        if !misfit.deviance().is_finite() {
+        if !squares.deviance().is_finite() {
             return None;
         }
         for _ in 0..ITERATIONS {
-            let (normal, slope) = self.normal(&misfit.weights());
-            let before = misfit.deviance();
+            let (normal, slope) = self.normal(&squares.weights());
+            let before = squares.deviance();
             let next = (0..TRIES).find_map(|_| {
                 let next = self.stepped(&normal, &slope, damping, before);
                 damping = match next {
@@ -91,7 +91,7 @@ impl<'a> Start<'a> {
                 break;
             };
             let gained = before - better.deviance();
-            (self.at, self.residuals, misfit) = (at, residuals, better);
+            (self.at, self.residuals, squares) = (at, residuals, better);
             if gained < ARRIVED.max(SHARE * before) {
                 break;
             }
@@ -105,7 +105,7 @@ impl<'a> Start<'a> {
         slope: &SVector<f64, LOCALS>,
         damping: f64,
         before: f64,
-    ) -> Option<([f64; LOCALS], Vec<f64>, Misfit)> {
+    ) -> Option<([f64; LOCALS], Vec<f64>, SumOfSquares)> {
         let mut damped = *normal;
         for i in 0..LOCALS {
             // what the window does not show keeps its value
@@ -118,8 +118,8 @@ impl<'a> Start<'a> {
         let step = damped.lu().solve(slope)?;
         let at = std::array::from_fn(|i| self.at[i] - step[i]);
         let residuals = self.simulated.over(self.track, self.window).residuals(&at);
-        let misfit = Misfit::new(self.window, &residuals);
-        (misfit.deviance() < before).then_some((at, residuals, misfit))
+        let squares = SumOfSquares::new(self.window, &residuals);
+        (squares.deviance() < before).then_some((at, residuals, squares))
     }
 
     /// The normal equations under these weights of the channels.

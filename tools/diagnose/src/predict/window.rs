@@ -302,7 +302,7 @@ mod tests {
 
     use super::*;
     use crate::predict::fixture;
-    use crate::predict::misfit::Misfit;
+    use crate::predict::sum_of_squares::SumOfSquares;
 
     fn track(length_s: f64) -> Track {
         fixture::driven(&RobotModel::default(), length_s, fixture::gentle)
@@ -377,10 +377,10 @@ mod tests {
         windows[0].share(&mut residuals);
         let squares: f64 = right.iter().map(|i| residuals[*i].powi(2)).sum();
         assert!((squares - 1.7 * 1.7).abs() < 1e-12);
-        let misfit = Misfit::new(&windows[0], &residuals);
+        let squares = SumOfSquares::new(&windows[0], &residuals);
         // one reading of the right wheel, none of the left one
-        assert!((misfit.mean_square(0) - 1.7 * 1.7).abs() < 1e-12);
-        assert_eq!(misfit.mean_square(1), 0.0);
+        assert!((squares.mean_square(0) - 1.7 * 1.7).abs() < 1e-12);
+        assert_eq!(squares.mean_square(1), 0.0);
     }
 
     #[test]

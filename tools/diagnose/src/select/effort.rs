@@ -7,7 +7,7 @@ use crate::estimate::scoring::{FULL, SHORT, SearchLimits};
 pub(crate) struct Effort {
     /// Candidates that are refitted with noise sizes, and of these the ones that are fitted to the end.
     pub(crate) refitted: usize,
-    pub(crate) polished: usize,
+    pub(crate) converged: usize,
     /// Share of what the best candidate promises below which another one is not refitted.
     pub(crate) least_promise: f64,
     /// Whether a candidate is refitted also from less noise than was fitted without it.
@@ -17,24 +17,24 @@ pub(crate) struct Effort {
     /// A fit that ranks candidates.
     pub(crate) ranked: SearchLimits,
     /// A fit that tells whether a look-alike may take the place of a term.
-    pub(crate) glanced: SearchLimits,
+    pub(crate) look_alike: SearchLimits,
 }
 
 impl Effort {
     /// For a likelihood with exact derivatives.
     pub(crate) const WIDE: Self = Self {
         refitted: 6,
-        polished: 3,
+        converged: 3,
         least_promise: 0.0,
         from_less: true,
         full: FULL,
         ranked: RANKED,
-        glanced: SHORT,
+        look_alike: SHORT,
     };
     /// For a likelihood whose derivatives are simulations.
     pub(crate) const NARROW: Self = Self {
         refitted: 4,
-        polished: 2,
+        converged: 2,
         least_promise: 0.1,
         from_less: false,
         full: SearchLimits {
@@ -42,7 +42,7 @@ impl Effort {
             tolerance_nats: 0.2,
         },
         ranked: RANKED,
-        glanced: RANKED,
+        look_alike: RANKED,
     };
 }
 

@@ -419,7 +419,7 @@ impl Elimination<'_> {
         self.is_possible(term, fit)
             && (clear || term.is_decided_by_gain())
             && (gain - best > 0.0 || term.rare)
-            && (!term.lasting || (self.useful)(term, fit, less))
+            && (!term.needs_relevance || (self.useful)(term, fit, less))
     }
 
     /// Whether a term that cannot be negative is not; of a change, what comes of it.

@@ -114,7 +114,7 @@ impl Elimination<'_> {
                 terms: terms.clone(),
                 alike: Vec::new(),
             };
-            let mut with = with(&start, self.effort.glanced);
+            let mut with = with(&start, self.effort.look_alike);
             if self.worth(&with) < self.worth(chosen) - UNFINISHED_NATS {
                 continue;
             }

@@ -136,10 +136,10 @@ impl Elimination<'_> {
         let near = |own: &&Chosen| self.excess(&chosen.fit, own) > NEAR * most;
         let rivals: Vec<&Chosen> = short
             .iter()
-            .take(self.effort.polished)
+            .take(self.effort.converged)
             .filter(near)
             .collect();
-        let polished = rivals.into_par_iter().filter_map(|own| {
+        let converged = rivals.into_par_iter().filter_map(|own| {
             let term = own.terms.last()?;
             let mut own = with(term, &own.fit.at, self.effort.full);
             while let Some(at) = self.problem.likelihood.refined(term, &own.fit.at) {
@@ -151,8 +151,8 @@ impl Elimination<'_> {
             }
             self.is_possible(term, &own.fit).then_some(own)
         });
-        let polished: Vec<Chosen> = polished.collect();
-        let polished = polished.into_iter();
-        polished.max_by(|a, b| self.by_excess(&chosen.fit, a, b))
+        let converged: Vec<Chosen> = converged.collect();
+        let converged = converged.into_iter();
+        converged.max_by(|a, b| self.by_excess(&chosen.fit, a, b))
     }
 }

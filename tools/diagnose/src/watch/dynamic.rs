@@ -231,7 +231,7 @@ fn nothing() -> Run {
         without_gravity: false,
         left_out_s: Vec::new(),
         lost_deviation: [0.0; N],
-        gusts_s: Vec::new(),
+        disturbances_s: Vec::new(),
     }
 }
 

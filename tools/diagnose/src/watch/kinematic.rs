@@ -473,10 +473,10 @@ fn whitening(own: &Innovation<f64>) -> [[f64; 3]; 3] {
 }
 
 /// Innovations of more than so many deviations count for less.
-const FAR: f64 = 3.0;
+const OUTLIER_DEVIATIONS: f64 = 3.0;
 
 /// The root of the weight of a row of so many numbers whose innovation has this size in deviations.
 pub(super) fn counts(size: f64, numbers: f64) -> f64 {
-    let share = FAR * numbers.sqrt() / size.abs();
+    let share = OUTLIER_DEVIATIONS * numbers.sqrt() / size.abs();
     share.min(1.0).sqrt()
 }

@@ -10,7 +10,7 @@ use slipstream_hosts::address::{Address, Security};
 use slipstream_hosts::hello::Hello;
 use slipstream_hosts::network;
 
-use super::away::Away;
+use super::joined_host::JoinedHost;
 use super::launcher;
 use super::options::LaunchError;
 use crate::program::{Program, Programs};
@@ -71,7 +71,7 @@ pub fn join(joining: &Joining) -> Result<Joined, LaunchError> {
         return Err(unusable("names robots that its experiment does not have").into());
     }
     let programs = programs(&experiment.settings, &welcome.robots, &joining.agents)?;
-    let away = Away {
+    let host = JoinedHost {
         programs,
         program: joining.program.clone(),
         address: joining.address.clone(),
@@ -83,10 +83,10 @@ pub fn join(joining: &Joining) -> Result<Joined, LaunchError> {
         live: joining.live,
         notice: joining.notice,
     };
-    let status = launcher::run_away(&experiment, &welcome.keys, &away)?;
+    let status = launcher::run_joined_host(&experiment, &welcome.keys, &host)?;
     Ok(Joined {
         experiment,
-        robots: away.robots,
+        robots: host.robots,
         status,
     })
 }

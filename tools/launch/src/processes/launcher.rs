@@ -16,13 +16,13 @@ use slipstream_ipc::run_directory::{RunDirectory, RunLock, SHARED_MEMORY, leftov
 use slipstream_ipc::wake_page::{Member, Stage, WakePage};
 use slipstream_ipc::{report, trace};
 
-use super::away::{Away, HOST};
 use super::child::{ChildProcess, Start};
-use super::guests::Guests;
+use super::joined_host::{HOST, JoinedHost};
 use super::options::{LaunchError, Options};
 use super::part::Part;
 use super::progress_line::ProgressLine;
-use super::{belongings, preflight, signals};
+use super::ssh_hosts::SshHosts;
+use super::{preflight, signals, state_transfer};
 use crate::recorder;
 use crate::recorder::trace_files;
 use crate::resolve::Resolved;
@@ -66,7 +66,7 @@ pub(super) struct Run<'a> {
     /// When the last process but the recorder ended.
     pub(super) drained: Option<Instant>,
     /// Hosts that were started over ssh.
-    guests: Guests,
+    ssh_hosts: SshHosts,
     /// The recording, locked while it is open.
     recording: Option<File>,
     _lock: RunLock,
@@ -108,16 +108,16 @@ pub fn run(resolved: &Resolved, options: &Options) -> Result<RunSummary, LaunchE
 ///
 /// # Errors
 /// When they cannot be started.
-pub(super) fn run_away(
+pub(super) fn run_joined_host(
     experiment: &Experiment,
     keys: &str,
-    away: &Away,
+    host: &JoinedHost,
 ) -> Result<RunStatus, LaunchError> {
     preflight::check(&experiment.settings)?;
     let mut signals = signals::listen().map_err(system("listen for signals"))?;
-    let mut run = Run::prepare(experiment, keys, Part::Away(away), None)?;
-    run.wake_page.set_local(&away.robots);
-    run.watch(away.live, &mut signals)?;
+    let mut run = Run::prepare(experiment, keys, Part::JoinedHost(host), None)?;
+    run.wake_page.set_local(&host.robots);
+    run.watch(host.live, &mut signals)?;
     run.say_notices();
     Ok(run.status.clone())
 }
@@ -159,7 +159,7 @@ impl<'a> Run<'a> {
             stopped_running: false,
             over: None,
             drained: None,
-            guests: Guests::default(),
+            ssh_hosts: SshHosts::default(),
             recording,
             _lock: lock,
         })
@@ -172,7 +172,7 @@ impl<'a> Run<'a> {
         started.map_err(system("start the processes"))?;
         if let Some(across) = self.part.across() {
             let programs = self.part.programs();
-            self.guests = Guests::start(across, programs).map_err(system("start ssh"))?;
+            self.ssh_hosts = SshHosts::start(across, programs).map_err(system("start ssh"))?;
         }
         let progress = ProgressLine::new(live, &self.experiment.settings);
         while self.children.iter().any(is_awaited) {
@@ -212,8 +212,8 @@ impl<'a> Run<'a> {
         };
         let child = ChildProcess::spawn(start, role, restarts)?;
         let process = child.describe();
-        if let (Part::Away(_), Role::Agent(robot)) = (self.part, role) {
-            belongings::note_pid(self.directory.folder(), robot, process.pid);
+        if let (Part::JoinedHost(_), Role::Agent(robot)) = (self.part, role) {
+            state_transfer::note_pid(self.directory.folder(), robot, process.pid);
         }
         self.processes.push(process);
         self.children.push(child);
@@ -247,7 +247,7 @@ impl<'a> Run<'a> {
         if self.over.is_none() && self.wake_page.stage() >= Stage::Over {
             self.over = Some(Instant::now());
         }
-        for reason in self.guests.failures()? {
+        for reason in self.ssh_hosts.failures()? {
             // What follows from a run that ends is not worth a sentence.
             if self.stopped.is_none() && self.over.is_none() {
                 self.fail(reason);
@@ -333,7 +333,7 @@ impl<'a> Run<'a> {
             self.notices.push(reason.clone());
         }
         if self.status == RunStatus::Done {
-            if matches!(self.part, Part::Away(_)) {
+            if matches!(self.part, Part::JoinedHost(_)) {
                 // The relay sends it home. If it cannot be written, the plant's host hears less.
                 let _ = report::write_failure(self.directory.folder(), HOST, &reason);
             }

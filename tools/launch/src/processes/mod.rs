@@ -1,10 +1,8 @@
 //! A run as processes: the launcher, and the roles that it starts.
 
-mod away;
-mod belongings;
 mod child;
-mod guests;
 mod hang;
+mod joined_host;
 mod joining;
 mod launcher;
 mod options;
@@ -15,6 +13,8 @@ mod progress_line;
 pub mod roles;
 mod signals;
 mod silence;
+mod ssh_hosts;
+mod state_transfer;
 
 pub use joining::{Joined, Joining, join};
 pub use launcher::run;

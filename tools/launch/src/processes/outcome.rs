@@ -11,9 +11,9 @@ use slipstream_ipc::report;
 use slipstream_robots::process::RobotsOutcome;
 use slipstream_sim::run::process::PlantOutcome;
 
-use super::belongings;
 use super::launcher::Run;
 use super::options::Options;
+use super::state_transfer;
 use crate::role::Role;
 use crate::summary::{DeadlineSummary, Process, ProcessReports, RunStatus, RunSummary};
 
@@ -83,7 +83,7 @@ impl Run<'_> {
         let hosts = options.across.iter().flat_map(|across| &across.hosts);
         let robots = hosts.flat_map(|host| host.robots.iter().map(move |&robot| (host, robot)));
         let process = |(host, robot): (&RemoteHost, _)| {
-            let pid = belongings::pid(folder, robot)?;
+            let pid = state_transfer::pid(folder, robot)?;
             Some(Process::on_host(&host.name, robot, pid))
         };
         robots.filter_map(process).collect()

@@ -6,7 +6,7 @@ use std::path::Path;
 use slipstream_bus::Experiment;
 use slipstream_bus::message::RobotIndex;
 
-use super::away::Away;
+use super::joined_host::JoinedHost;
 use super::options::{Across, Options};
 use crate::program::{Program, Programs};
 use crate::role::Role;
@@ -17,7 +17,7 @@ pub(super) enum Part<'a> {
     /// Plant and recorder, and the agents that no other host has.
     Home(&'a Options, &'a Programs),
     /// Agents alone.
-    Away(&'a Away),
+    JoinedHost(&'a JoinedHost),
 }
 
 impl Part<'_> {
@@ -37,9 +37,9 @@ impl Part<'_> {
                 let here = robots.filter(|robot| !elsewhere.contains(robot));
                 roles.extend(here.map(Role::Agent));
             }
-            Self::Away(away) => {
+            Self::JoinedHost(host) => {
                 roles.push(Role::Relay);
-                roles.extend(away.robots.iter().map(|&robot| Role::Agent(robot)));
+                roles.extend(host.robots.iter().map(|&robot| Role::Agent(robot)));
             }
         }
         roles
@@ -49,7 +49,7 @@ impl Part<'_> {
     pub(super) fn program(&self) -> &Path {
         match self {
             Self::Home(options, _) => &options.program,
-            Self::Away(away) => &away.program,
+            Self::JoinedHost(host) => &host.program,
         }
     }
 
@@ -62,7 +62,7 @@ impl Part<'_> {
     pub(super) fn programs(&self) -> &Programs {
         match self {
             Self::Home(_, programs) => programs,
-            Self::Away(away) => &away.programs,
+            Self::JoinedHost(host) => &host.programs,
         }
     }
 
@@ -70,7 +70,7 @@ impl Part<'_> {
     pub(super) fn across(&self) -> Option<&Across> {
         match self {
             Self::Home(options, _) => options.across.as_ref(),
-            Self::Away(_) => None,
+            Self::JoinedHost(_) => None,
         }
     }
 
@@ -78,7 +78,7 @@ impl Part<'_> {
     pub(super) fn is_recorded(self) -> bool {
         match self {
             Self::Home(options, _) => options.out.is_some(),
-            Self::Away(away) => away.recording,
+            Self::JoinedHost(host) => host.recording,
         }
     }
 
@@ -93,7 +93,7 @@ impl Part<'_> {
             (Self::Home(options, _), Role::Recorder) => options.recorder_arguments(),
             (Self::Home(options, _), Role::Robots) => options.robots_arguments(),
             (Self::Home(options, _), Role::StandIn(_)) => options.stand_in_arguments(),
-            (Self::Away(away), Role::Relay) => away.relay_arguments(),
+            (Self::JoinedHost(host), Role::Relay) => host.relay_arguments(),
             _ => Vec::new(),
         }
     }
@@ -102,7 +102,7 @@ impl Part<'_> {
     pub(super) fn say(self, text: &str) {
         match self {
             Self::Home(options, _) => (options.notice)(text),
-            Self::Away(away) => (away.notice)(text),
+            Self::JoinedHost(host) => (host.notice)(text),
         }
     }
 }

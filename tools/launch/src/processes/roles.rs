@@ -20,8 +20,8 @@ use slipstream_robots::lab::Lab;
 use slipstream_robots::process as robots;
 use slipstream_sim::run::process as plant;
 
-use super::away::HOST;
-use super::belongings;
+use super::joined_host::HOST;
+use super::state_transfer;
 use crate::recorder;
 use crate::role::Role;
 use crate::run_files::read_keys;
@@ -195,7 +195,7 @@ impl RoleArguments {
                     run: rand::random(),
                     keys: read_keys(run),
                     recording,
-                    keep: &|host, file| belongings::keep(run, host, file),
+                    keep: &|host, file| state_transfer::keep(run, host, file),
                     notice: &|text| print_problem(self, text),
                 };
                 let outcome = stand_in.run(&mut *carrier)?;
@@ -216,7 +216,7 @@ impl RoleArguments {
                     launcher,
                     run: *number,
                     recording,
-                    left: &|robots| belongings::left(run, robots),
+                    left: &|robots| state_transfer::left(run, robots),
                     failure: &|| report::read_failure(run, HOST),
                 };
                 let outcome = relay.run(&mut *carrier)?;

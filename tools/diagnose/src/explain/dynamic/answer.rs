@@ -193,7 +193,7 @@ fn warning(machine: &Machine, id: &str, statement: String, remedy: &str) -> Warn
 
 /// A warning where something pushed more than once.
 pub(crate) fn gusts(machine: &Machine) -> Option<Warning> {
-    let gusts = machine.runs.iter().flat_map(|run| &run.gusts_s);
+    let gusts = machine.runs.iter().flat_map(|run| &run.disturbances_s);
     let mut times: Vec<f64> = gusts.map(|[from, to]| f64::midpoint(*from, *to)).collect();
     times.sort_by(f64::total_cmp);
     let words: Vec<String> = times.iter().map(|t_s| format!("{t_s:.2}")).collect();
@@ -215,7 +215,7 @@ pub(crate) fn wandering(machine: &Machine, noise: &[ProcessNoise]) -> Option<War
     });
     let parts: Vec<String> = parts.collect();
     let statement = format!(
-        "something pushes that follows no variable looked at (standard deviations: {})",
+        "random disturbance forces that no candidate explains (standard deviations: {})",
         parts.join(", ")
     );
     let remedy = "effects that do not stand out from it were not accepted; a smoother floor or a \

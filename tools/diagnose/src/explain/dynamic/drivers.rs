@@ -9,7 +9,7 @@ use crate::model::plant::machine::Machine;
 const HATS: usize = 9;
 const FINE: usize = 27;
 const TOLD: usize = 15;
-/// Share of the moments at either end of a variable that need no hat of their own.
+/// Share of the moments at either end of a variable that need no linear_b_spline of their own.
 const RIM: f64 = 0.01;
 /// Speed over which a force against the motion changes its sign (m/s).
 const SLOW_M_S: f64 = 0.01;
@@ -117,7 +117,9 @@ impl Machine {
                     name,
                     channel,
                     table: Some((acts_on, knots.clone())),
-                    functions: each(knots.len(), moments, |i, m| on(part, hat(&knots, i, of(m)))),
+                    functions: each(knots.len(), moments, |i, m| {
+                        on(part, linear_b_spline(&knots, i, of(m)))
+                    }),
                 });
             }
         }
@@ -135,7 +137,10 @@ impl Machine {
                 channel: PARTS[0].0,
                 table: None,
                 functions: each(knots.len(), moments, |i, m| {
-                    on(0, hat(&knots, i, of(m)) * (m.speed / SLOW_M_S).tanh())
+                    on(
+                        0,
+                        linear_b_spline(&knots, i, of(m)) * (m.speed / SLOW_M_S).tanh(),
+                    )
                 }),
             })
         })
@@ -165,7 +170,7 @@ impl Machine {
                 functions: each(knots.len(), moments, |i, m| {
                     let [right, left] = m.told;
                     let told = [(right + left) / r, b * (right - left) / r];
-                    on(part, told[part] * hat(&knots, i, m.t_s))
+                    on(part, told[part] * linear_b_spline(&knots, i, m.t_s))
                 }),
             });
         }
@@ -189,7 +194,7 @@ impl Machine {
         let mut drivers = Vec::new();
         if let Some(knots) = told_knots(moments) {
             let functions = each(knots.len(), moments, |i, m| {
-                both([0, 1].map(|w| torque(w, hat(&knots, i, m.told[w]))))
+                both([0, 1].map(|w| torque(w, linear_b_spline(&knots, i, m.told[w]))))
             });
             drivers.push(driver("torque", functions));
         }
@@ -272,8 +277,8 @@ fn speed_knots(moments: &[Vec<Moment>], of: Of, slow: f64) -> Option<Vec<f64>> {
     (knots.len() > 2).then_some(knots)
 }
 
-/// The i-th hat on `knots`; the outer ones go on as they are.
-fn hat(knots: &[f64], i: usize, x: f64) -> f64 {
+/// The i-th linear_b_spline on `knots`; the outer ones go on as they are.
+fn linear_b_spline(knots: &[f64], i: usize, x: f64) -> f64 {
     let above = |i: usize| knots.get(i + 1).map(|next| (next - x) / (next - knots[i]));
     let below = |i: usize| {
         let before = i.checked_sub(1).map(|before| knots[before]);
@@ -292,17 +297,17 @@ fn wave(number: u32, phase: usize, angle: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::hat;
+    use super::linear_b_spline;
 
     #[test]
     fn hats_over_uneven_knots_add_up_to_one() {
         let knots = [-0.4, -0.1, -0.01, 0.01, 0.1, 0.4];
         for x in [-1.0, -0.4, -0.2, -0.01, 0.0, 0.005, 0.05, 0.3, 2.0] {
-            let all = (0..knots.len()).map(|i| hat(&knots, i, x));
+            let all = (0..knots.len()).map(|i| linear_b_spline(&knots, i, x));
             assert!((all.sum::<f64>() - 1.0).abs() < 1e-12, "{x}");
         }
-        assert_eq!(hat(&knots, 5, 2.0), 1.0);
-        assert_eq!(hat(&knots, 2, -0.01), 1.0);
-        assert_eq!(hat(&knots, 3, -0.1), 0.0);
+        assert_eq!(linear_b_spline(&knots, 5, 2.0), 1.0);
+        assert_eq!(linear_b_spline(&knots, 2, -0.01), 1.0);
+        assert_eq!(linear_b_spline(&knots, 3, -0.1), 0.0);
     }
 }

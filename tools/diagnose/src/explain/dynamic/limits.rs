@@ -125,7 +125,7 @@ fn by_trial(machine: &Machine, fit: &Filtered, kind: &[&Hypothesis], seen: Seen)
     let here = machine.deviance(&fit.whitened);
     let name = kind[0].values[0].0;
     let refuted = kind.iter().filter(|one| {
-        let e = machine.promising(fit, &fit.beside(one));
+        let e = machine.bounded_innovations(fit, &fit.beside(one));
         e.is_none_or(|e| machine.deviance(&e) > here + REFUTED)
     });
     let sizes = refuted.filter_map(|one| one.value(name));

@@ -9,12 +9,12 @@ use crate::select::elimination::Elimination;
 
 /// Share of a gain that an effect has to keep beside a force outside of the catalogue: less may be that
 /// force's as well.
-const TAKEN: f64 = 0.3;
+const SHARE_OF_OTHERS: f64 = 0.3;
 /// Multiple of what integrators differ by below which a force outside of the catalogue is none.
 const SMALL: f64 = 4.0;
 /// Blocks without which a force outside of the catalogue still has to gain a share of it.
-const RARE: usize = 2;
-const REST: f64 = 0.3;
+const FEW_BLOCKS: usize = 2;
+const SHARE_BEYOND_FEW: f64 = 0.3;
 
 /// A search for a force beside what was selected.
 pub(crate) struct Outside<'a> {
@@ -63,8 +63,8 @@ impl Outside<'_> {
             .map(|(a, b)| a - b)
             .collect();
         gains.sort_by(|a, b| b.total_cmp(a));
-        let rest: f64 = gains.iter().skip(RARE).sum();
-        unknown.driver != "t" && 2.0 * rest < REST * unknown.gain
+        let rest: f64 = gains.iter().skip(FEW_BLOCKS).sum();
+        unknown.driver != "t" && 2.0 * rest < SHARE_BEYOND_FEW * unknown.gain
     }
 
     /// The fit without the term that a force takes most of, where one does; what is left, and the force beside it.
@@ -79,7 +79,7 @@ impl Outside<'_> {
             let own = self.beside(&less)?;
             let rise = own.fit.deviance - unknown.fit.deviance;
             let brought = 2.0 * (fit.objective - less.objective);
-            let needed = (2.0 * self.selection.due(term)).max(TAKEN * brought);
+            let needed = (2.0 * self.selection.due(term)).max(SHARE_OF_OTHERS * brought);
             (rise < needed).then_some((less, rest, own))
         });
         all.min_by(|a, b| a.2.fit.deviance.total_cmp(&b.2.fit.deviance))

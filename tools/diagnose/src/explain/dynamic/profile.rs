@@ -6,7 +6,7 @@ use crate::model::plant::machine::Machine;
 /// Upper 5 % point of chi-square with one degree of freedom.
 const ONE_IN_TWENTY: f64 = 3.841;
 /// A profile goes no further than this multiple of a value.
-const FAR: f64 = 20.0;
+const MOST_MULTIPLE: f64 = 20.0;
 
 impl Machine {
     /// Where −2 ln L, at the gains of `fit`, has risen by what one parameter takes with 95 %: for what
@@ -32,7 +32,7 @@ impl Machine {
             while !rises(at + sign * outside) {
                 inside = outside;
                 outside *= 2.0;
-                if outside > at.abs() * FAR {
+                if outside > at.abs() * MOST_MULTIPLE {
                     return at + sign * inside;
                 }
             }

@@ -28,7 +28,7 @@ const ROUGH: SearchLimits = SearchLimits {
 /// Change of the logs of all noise sizes from which they are searched a second time.
 const LESS: f64 = -2.5;
 /// Gusts at most, and the time before and after its largest impulse (s) that belongs to one.
-const GUSTS: usize = 16;
+const MOST_DISTURBANCES: usize = 16;
 const GUST_S: [f64; 2] = [0.08, 0.15];
 /// Effects that act by the speed alone, or by the turn rate: from a force outside of the catalogue that
 /// does so they cannot be told.
@@ -118,36 +118,36 @@ impl Selection<'_> {
     pub(crate) fn run(&mut self) -> Option<Selected> {
         let table = Table::new(&self.machine, self.all, self.known);
         let found = self.among(&table)?;
-        if !self.is_whole || !self.is_gusty(&found) {
+        if !self.is_whole || !self.is_disturbed(&found) {
             return Some(found);
         }
         (self.progress)("looking for single pushes");
-        let gusts = self.gusts()?;
-        if gusts.len() == GUSTS {
+        let disturbances = self.disturbances()?;
+        if disturbances.len() == MOST_DISTURBANCES {
             // what pushes all the time is no gust
             return Some(found);
         }
-        for (run, span_s) in gusts {
-            self.machine.runs[run].gusts_s.push(span_s);
+        for (run, span_s) in disturbances {
+            self.machine.runs[run].disturbances_s.push(span_s);
         }
         self.among(&table)
     }
 
     /// Whether what was found leaves pushes, each by itself.
-    fn is_gusty(&self, found: &Selected) -> bool {
+    fn is_disturbed(&self, found: &Selected) -> bool {
         let whole = found.whole();
         !self.machine.is_silent(whole)
             && pushes(self.machine.impulses(whole), due_of_push(found.tried)) > 1
     }
 
     /// Times at which something pushes for a moment, each with its run, one after the other while that gains what is due.
-    fn gusts(&self) -> Option<Vec<(usize, [f64; 2])>> {
+    fn disturbances(&self) -> Option<Vec<(usize, [f64; 2])>> {
         let due = due_of_push(kinds(self.all).len());
         let mut machine = self.machine.clone();
         let table = Table::new(&machine, &[], &[]);
         let mut at = table.start.clone();
-        let mut gusts = Vec::new();
-        while gusts.len() < GUSTS {
+        let mut disturbances = Vec::new();
+        while disturbances.len() < MOST_DISTURBANCES {
             let plant = Plant::new(&machine, &table);
             at = table.problem(&plant).fit(&at, &table.told, ROUGH).at;
             let found = machine.impulse(plant.filtered(&at)?.as_ref());
@@ -156,10 +156,10 @@ impl Selection<'_> {
             };
             let [before, after] = GUST_S;
             let span_s = [impulse.t_s - before, impulse.t_s + after];
-            machine.runs[run].gusts_s.push(span_s);
-            gusts.push((run, span_s));
+            machine.runs[run].disturbances_s.push(span_s);
+            disturbances.push((run, span_s));
         }
-        Some(gusts)
+        Some(disturbances)
     }
 
     fn among(&mut self, table: &Table) -> Option<Selected> {

@@ -13,7 +13,7 @@ const SLIP_STEP: f64 = 1e-4;
 /// Largest step where wheels can slide: there steps are standard deviations of the state, for a derivative
 /// across sticking and sliding is a mean over what the state may be (divided-difference filter;
 /// Nørgaard, Poulsen and Ravn 2000).
-const WIDEST: f64 = 0.1;
+const LARGEST_SLIDING_STEP: f64 = 0.1;
 /// The same for the angles by which a measurement is differentiated (rad).
 const ANGLE_STEP_RAD: f64 = 1e-6;
 
@@ -257,7 +257,7 @@ impl Derivatives {
                 continue;
             }
             let size = if flow.of_wheels {
-                step_of(column).max(deviation[column].min(WIDEST))
+                step_of(column).max(deviation[column].min(LARGEST_SLIDING_STEP))
             } else {
                 step_of(column)
             };

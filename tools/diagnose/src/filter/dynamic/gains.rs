@@ -68,7 +68,7 @@ impl Pass {
             let next_s = order.get(place + 1).map_or(true_s, |(next_s, _)| *next_s);
             let decay = noise.decay(next_s - true_s);
             on.go_on(noise, &decay);
-            let gusty = run.is_gusty(true_s);
+            let gusty = run.is_disturbed(true_s);
             if gusty {
                 on.covariance.push(&run.lost_deviation);
             }

@@ -88,24 +88,24 @@ pub(crate) struct Run {
     pub(crate) tracked_ahead_m: f64,
     /// The accelerometer leaves gravity out.
     pub(crate) without_gravity: bool,
-    /// Times (s) of which nothing is believed: what the state is after them is as unknown as at the
-    /// start, but for a robot that moves.
+    /// Intervals (s) excluded from the analysis: after each the state is as unknown as at the start, of a robot that
+    /// may move.
     pub(crate) left_out_s: Vec<[f64; 2]>,
-    /// Standard deviation of the state after such a time.
+    /// Standard deviation of the state after such an interval.
     pub(crate) lost_deviation: Vector,
     /// Times (s) at which something pushes for a moment: between two rows surge and yaw rate may change
     /// as if they were lost.
-    pub(crate) gusts_s: Vec<[f64; 2]>,
+    pub(crate) disturbances_s: Vec<[f64; 2]>,
 }
 
 impl Run {
     /// Whether something pushes for a moment at this time (s).
-    pub(super) fn is_gusty(&self, true_s: f64) -> bool {
-        let mut gusts = self.gusts_s.iter();
+    pub(super) fn is_disturbed(&self, true_s: f64) -> bool {
+        let mut gusts = self.disturbances_s.iter();
         gusts.any(|[begin, end]| (*begin..=*end).contains(&true_s))
     }
 
-    /// Whether times of which nothing is believed lie between two instants (s).
+    /// Whether an interval that is excluded from the analysis lies between two instants (s).
     pub(super) fn is_lost_between(&self, from_s: f64, to_s: f64) -> bool {
         let mut left_out = self.left_out_s.iter();
         left_out.any(|[begin, end]| from_s <= *end && to_s >= *begin && from_s < to_s)

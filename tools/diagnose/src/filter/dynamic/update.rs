@@ -140,8 +140,8 @@ impl<const M: usize> Covariance<M> {
         of_row
     }
 
-    /// What an update knows better than its digits is known as well as they say, and by itself: where a
-    /// wheel begins to slide, or sticks, derivatives over one row may be large.
+    /// If rounding leaves a variance below `DIGITS` of the prior, or negative, it is reset to that and decorrelated: where
+    /// a wheel begins to slide, or sticks, derivatives over one row may be large.
     fn keep_positive(&mut self, before: &[f64; M]) {
         for (i, before) in before.iter().enumerate() {
             let least = DIGITS * before;

@@ -24,7 +24,7 @@ const FLOOR_OF_WHEELS: [f64; 5] = [5e-4, 5e-5, 5e-5, 5e-5, 3e-4];
 const FLOOR_MASS_KG: f64 = 1.6;
 /// Multiple of its floor below which a disturbance is none, and mean square of innovations that is
 /// noise.
-const QUIET: f64 = 1.5;
+const NEGLIGIBLE_DISTURBANCE: f64 = 1.5;
 const QUIET_LEVEL: f64 = 1.15;
 
 /// A model with effects, and the noise that goes with it.
@@ -143,7 +143,7 @@ impl Machine {
     pub(crate) fn is_silent(&self, fit: &Filtered) -> bool {
         let floor = self.floor(fit.noise.of_wheels);
         let mut told = self.disturbances(fit.noise.of_wheels);
-        let quiet = told.all(|i| fit.noise.size[i] < QUIET * floor[i]);
+        let quiet = told.all(|i| fit.noise.size[i] < NEGLIGIBLE_DISTURBANCE * floor[i]);
         let levels = levels(&fit.whitened, &self.channels);
         quiet && levels.iter().all(|[mean, _]| *mean < QUIET_LEVEL)
     }
@@ -171,7 +171,11 @@ impl Machine {
     }
 
     /// The same; `None` where they are hopelessly large.
-    pub(crate) fn promising(&self, fit: &Filtered, hypotheses: &[Hypothesis]) -> Option<Vec<f64>> {
+    pub(crate) fn bounded_innovations(
+        &self,
+        fit: &Filtered,
+        hypotheses: &[Hypothesis],
+    ) -> Option<Vec<f64>> {
         let square: f64 = fit.whitened.iter().map(|e| e * e).sum();
         let most = HOPELESS * (square + self.channels.len() as f64);
         self.within(fit, hypotheses, most, |_, _, _, _| ())

@@ -114,7 +114,10 @@ impl<'a> Plant<'a> {
 
     /// Log-likelihood of each block at the gains of `base`.
     fn at_gains(&self, base: &Filtered, at: &[f64]) -> Vec<f64> {
-        match self.machine.promising(base, &self.table.hypotheses(at)) {
+        match self
+            .machine
+            .bounded_innovations(base, &self.table.hypotheses(at))
+        {
             Some(e) => self.by_block(base, &e),
             None => self.impossible(),
         }
@@ -347,7 +350,7 @@ impl Likelihood for AtGains<'_> {
 
     fn score(&self, at: &[f64], free: &[usize]) -> Vec<BlockScore> {
         let own = self.plant.table.hypotheses(at);
-        let Some(here) = self.plant.machine.promising(self.base, &own) else {
+        let Some(here) = self.plant.machine.bounded_innovations(self.base, &own) else {
             return empty(self.blocks(), free.len());
         };
         let columns = free.par_iter();

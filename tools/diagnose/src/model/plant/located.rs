@@ -113,7 +113,7 @@ impl Plant<'_> {
         let ranked = |base: &Filtered| {
             let still = base.deviance - base.log_determinant();
             let gains = self.table.starts(term).par_iter().filter_map(|own| {
-                let e = self.machine.promising(base, &base.beside(own))?;
+                let e = self.machine.bounded_innovations(base, &base.beside(own))?;
                 Some((still - self.machine.deviance(&e), own))
             });
             let ranked = gains.filter(|(gain, _)| *gain > SLIP_GAIN);

@@ -19,7 +19,7 @@ const MOVES: f64 = 10.0;
 const BEGINS_S: f64 = 0.2;
 /// A first row that comes this much later than the first command is where a run begins (s).
 const LATE_S: f64 = 0.5;
-/// Standard deviation of the angle of a wheel after times of which nothing is believed (rad).
+/// Standard deviation of the angle of a wheel after an interval that is excluded from the analysis (rad).
 const LOST_ANGLE_RAD: f64 = 30.0;
 /// Standard deviation of a slip at the start (m/s).
 const START_SLIP: f64 = 0.01;
@@ -170,7 +170,7 @@ fn run(track: &Track, model: &RobotModel) -> Run {
         without_gravity: track.imu_without_weight,
         left_out_s: track.left_out_s.clone(),
         lost_deviation: start.lost_deviation,
-        gusts_s: Vec::new(),
+        disturbances_s: Vec::new(),
     }
 }
 
@@ -178,7 +178,7 @@ fn run(track: &Track, model: &RobotModel) -> Run {
 pub(crate) struct Start {
     pub(crate) at: [f64; N],
     pub(crate) deviation: [f64; N],
-    /// The same after times of which nothing is believed.
+    /// The same after an interval that is excluded from the analysis.
     pub(crate) lost_deviation: [f64; N],
 }
 

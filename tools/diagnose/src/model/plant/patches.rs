@@ -136,7 +136,7 @@ impl Machine {
         let each = places.par_iter().filter_map(|place| {
             let tried = around(info, *place, b).into_par_iter();
             let tried = tried.filter_map(|h| {
-                let e = self.promising(base, &base.beside(&h))?;
+                let e = self.bounded_innovations(base, &base.beside(&h))?;
                 Some((self.deviance(&e), h))
             });
             let best = tried.min_by(|a, b| a.0.total_cmp(&b.0))?;
@@ -190,7 +190,7 @@ impl Machine {
         seed: u64,
     ) -> (f64, Vec<Hypothesis>) {
         let value = |all: &[Hypothesis]| {
-            let e = self.promising(fit, all);
+            let e = self.bounded_innovations(fit, all);
             e.map_or(f64::INFINITY, |e| self.deviance(&e))
         };
         let mut best = (value(&all), all);

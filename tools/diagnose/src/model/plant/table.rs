@@ -27,7 +27,7 @@ const SMALL: f64 = 5.0;
 const COUNTS_WRONG: f64 = 6.0;
 const PATCH: f64 = 4.0;
 /// Kinetic friction from which on no wheel is said to slip: rubber on a clean floor has 1.
-const GRIPS: f64 = 1.2;
+const NO_SLIP_FRICTION: f64 = 1.2;
 /// Smallest and largest play that is tried (rad).
 const PLAYS_RAD: [f64; 2] = [0.002, 0.15];
 /// Factor between two plays that are tried.
@@ -130,7 +130,7 @@ impl Table {
             self.longest.push(LONGEST);
             self.twins.push(twin);
             let grips = if slides_by(own, number) {
-                -1.0 / GRIPS
+                -1.0 / NO_SLIP_FRICTION
             } else {
                 0.0
             };
@@ -201,7 +201,7 @@ impl Table {
             search,
             usual: false,
             kinked: false,
-            lasting: false,
+            needs_relevance: false,
             acts: Acts::default(),
             shown: vec![Attribution {
                 effect: own.info.id,

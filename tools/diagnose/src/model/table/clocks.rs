@@ -22,14 +22,14 @@ impl Known<'_> {
         let has_wheels = !self.is_commanded && self.has_reference();
         // wheels and one reference are all: nothing tells which of both is late
         let two = self.streams.drive.is_none() && !both;
-        let unnoticed = |interval_s: f64| repeatability::TIME_S.max(interval_s);
+        let repeatable = |interval_s: f64| repeatability::TIME_S.max(interval_s);
         let late = |name, moves: Vec<(Place, f64)>, resolution: f64| Row {
             name,
             number: 0,
             moves,
             prior: about(0.3),
             resolution,
-            repeatability: unnoticed(resolution),
+            repeatability: repeatable(resolution),
         };
         let stamped = reference.before.stamped;
         let mut add_late = |row: Row, effect, mirror, stamped_s: f64| {

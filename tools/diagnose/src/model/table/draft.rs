@@ -154,7 +154,7 @@ pub(super) struct Draft {
     pub(super) cost: f64,
     pub(super) search: Search,
     pub(super) positive: bool,
-    pub(super) lasting: bool,
+    pub(super) needs_relevance: bool,
     /// Runs from before share it only where they needed it.
     pub(super) later: bool,
     /// It is no effect, and differs between recordings.
@@ -171,7 +171,7 @@ impl Draft {
             cost: 0.0,
             search: Search::Smooth(Vec::new()),
             positive: false,
-            lasting: false,
+            needs_relevance: false,
             later: false,
             varies: false,
         }

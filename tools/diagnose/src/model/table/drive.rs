@@ -98,7 +98,7 @@ impl Known<'_> {
             vec![row],
             vec![Shown::plain("supply_sag", "rate_per_s")],
         );
-        (sag.positive, sag.lasting, sag.later) = (true, true, true);
+        (sag.positive, sag.needs_relevance, sag.later) = (true, true, true);
         all.push(sag);
     }
 
@@ -111,23 +111,23 @@ impl Known<'_> {
         let Some(load) = self.load() else { return };
         let top = self.top_rad_s;
         let prior = about(0.3 * top);
-        let (resolution, unnoticed) = (COMMAND_SHARE * top, repeatability::COMMAND * top);
-        let row = of("friction", FRICTION, prior, resolution, unnoticed);
+        let (resolution, repeatable) = (COMMAND_SHARE * top, repeatability::COMMAND * top);
+        let row = of("friction", FRICTION, prior, resolution, repeatable);
         let torque_nm = 1.0 / load.speed_per_torque;
         let shown = vec![Shown::scaled("axle_friction", "torque_nm", torque_nm)];
         let starts = DEAD_ZONES.map(|share| vec![share * top]);
         let mut friction = Draft::new("friction", vec![row], shown).from(starts);
-        (friction.positive, friction.lasting) = (true, true);
+        (friction.positive, friction.needs_relevance) = (true, true);
         all.push(friction);
         if !self.streams.reference.keeps_heading() {
             return;
         }
-        let row = of("pull", PULL, prior, resolution, unnoticed);
+        let row = of("pull", PULL, prior, resolution, repeatable);
         let grade = 1.0 / load.speed_per_sine;
         let shown = vec![Shown::scaled("floor_slope", "grade", grade)];
         let starts = PULLS.map(|share| vec![share * top]);
         let mut pull = Draft::new("pull", vec![row], shown).from(starts);
-        pull.lasting = true;
+        pull.needs_relevance = true;
         all.push(pull);
     }
 
@@ -174,7 +174,7 @@ impl Known<'_> {
             self.motors(all, rows, &shown.confused, crude);
         } else {
             let mut gain = Draft::new("gain", rows, vec![shown]).from(starts());
-            gain.lasting = true;
+            gain.needs_relevance = true;
             all.push(gain);
         }
         if !self.has_pose {
@@ -194,7 +194,7 @@ impl Known<'_> {
             ["right_scale", "left_scale"],
         )];
         let mut count = Draft::new("count", rows, shown).from(starts());
-        count.lasting = true;
+        count.needs_relevance = true;
         count.cost = COUNT_COST;
         count.later = true;
         all.push(count);
@@ -209,7 +209,7 @@ impl Known<'_> {
             shown.confused = confused.to_vec();
             let begun = (crude != 0.0 && name == "gain").then(|| vec![crude]);
             let mut gain = Draft::new(name, vec![row], vec![shown]).from(begun);
-            gain.lasting = true;
+            gain.needs_relevance = true;
             all.push(gain);
         }
     }
@@ -221,8 +221,8 @@ impl Known<'_> {
         of: &dyn Fn(&'static str, usize, Prior, f64, f64) -> Row,
     ) {
         let top = self.top_rad_s;
-        let (resolution, unnoticed) = (COMMAND_SHARE * top, repeatability::COMMAND * top);
-        let row = of("zone", DEAD_ZONE, about(0.3 * top), resolution, unnoticed);
+        let (resolution, repeatable) = (COMMAND_SHARE * top, repeatability::COMMAND * top);
+        let row = of("zone", DEAD_ZONE, about(0.3 * top), resolution, repeatable);
         let shown = vec![match self.volts {
             Some(volts) => {
                 Shown::scaled("command_dead_zone", "voltage_v", 1.0 / volts.speed_per_volt)
@@ -231,7 +231,7 @@ impl Known<'_> {
         }];
         let starts = DEAD_ZONES.map(|share| vec![share * top]);
         let mut zone = Draft::new("dead zone", vec![row], shown).from(starts);
-        (zone.positive, zone.lasting, zone.later) = (true, true, self.is_commanded);
+        (zone.positive, zone.needs_relevance, zone.later) = (true, true, self.is_commanded);
         all.push(zone);
         let known = self.nominal_of(SATURATION);
         let mean = if known == 0.0 { top } else { 0.0 };
@@ -240,7 +240,7 @@ impl Known<'_> {
             deviation: top,
             has_tails: false,
         };
-        let row = of("saturation", SATURATION, prior, resolution, unnoticed);
+        let row = of("saturation", SATURATION, prior, resolution, repeatable);
         let shown = vec![match self.load() {
             Some(load) => Shown::scaled(
                 "command_saturation",
@@ -252,7 +252,11 @@ impl Known<'_> {
         let starts = SATURATIONS.map(|share| vec![share * top]).into_iter();
         let starts = starts.filter(|_| known == 0.0);
         let mut saturation = Draft::new("saturation", vec![row], shown).from(starts);
-        (saturation.positive, saturation.lasting, saturation.later) = (true, true, true);
+        (
+            saturation.positive,
+            saturation.needs_relevance,
+            saturation.later,
+        ) = (true, true, true);
         saturation.cost = SATURATION_COST;
         all.push(saturation);
         let bands = self.bands();
@@ -260,11 +264,11 @@ impl Known<'_> {
         if bands.is_empty() || self.volts.is_some() {
             return;
         }
-        let row = of("band", DEAD_BAND, about(top), resolution, unnoticed);
+        let row = of("band", DEAD_BAND, about(top), resolution, repeatable);
         let shown = vec![Shown::plain("command_dead_band", "speed_rad_s")];
         let mut band = Draft::new("dead band", vec![row], shown);
         band.search = Search::Profiled(bands);
-        (band.lasting, band.later) = (true, true);
+        (band.needs_relevance, band.later) = (true, true);
         all.push(band);
     }
 

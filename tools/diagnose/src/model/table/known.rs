@@ -139,8 +139,8 @@ impl<'a> Known<'a> {
         moves: [Vec<(Place, f64)>; 2],
         priors: [Prior; 2],
     ) -> Vec<Row> {
-        let unnoticed = [repeatability::SCALE, repeatability::ASYMMETRY];
-        let rows = moves.into_iter().zip(priors).zip(unnoticed).enumerate();
+        let repeatable = [repeatability::SCALE, repeatability::ASYMMETRY];
+        let rows = moves.into_iter().zip(priors).zip(repeatable).enumerate();
         rows.map(|(number, ((moves, prior), repeatability))| Row {
             name,
             number,

@@ -67,7 +67,7 @@ impl Known<'_> {
         });
         let shown = vec![Shown::new("unknown", Vec::new())];
         let mut term = Draft::new(name, rows.collect(), shown).from([start]);
-        term.lasting = true;
+        term.needs_relevance = true;
         term.later = true;
         term
     }

@@ -146,7 +146,7 @@ impl Table {
             search: draft.search,
             usual: USUAL.contains(&draft.name),
             positive: draft.positive,
-            lasting: draft.lasting,
+            needs_relevance: draft.needs_relevance,
             rare: false,
             kinked: draft.positive || draft.name == "lag",
             acts: acts(&draft.rows),

@@ -65,7 +65,7 @@ impl Known<'_> {
             }
             let mut rows = radii;
             let mut radii = Draft::new("radii", vec![rows.remove(1)], vec![radius]);
-            radii.lasting = self.is_commanded;
+            radii.needs_relevance = self.is_commanded;
             all.push(radii);
             return;
         }
@@ -83,7 +83,7 @@ impl Known<'_> {
             rows.push(self.track());
         }
         let mut geometry = Draft::new("geometry", rows, shown);
-        geometry.lasting = self.is_commanded;
+        geometry.needs_relevance = self.is_commanded;
         if crude != 0.0 && !by_scale {
             geometry =
                 geometry.from([vec![crude, 0.0, 0.0][..2 + usize::from(!by_track)].to_vec()]);
@@ -133,7 +133,7 @@ impl Known<'_> {
                 deviation,
             })
             .collect();
-        draft.lasting = self.is_commanded;
+        draft.needs_relevance = self.is_commanded;
         all.push(draft);
     }
 

@@ -10,7 +10,7 @@ const SPEEDS_M_S: f64 = 0.05;
 const TIMES: f64 = 1.5;
 const LEAST_M: f64 = 0.02;
 /// A range that is wider than this share of the spacing is none.
-const WIDEST: f64 = 0.3;
+const WIDEST_RANGE_SHARE: f64 = 0.3;
 /// Speeds beyond those of the baseline that are judged as well, as a share.
 const BEYOND: f64 = 0.15;
 
@@ -59,7 +59,7 @@ impl Usual {
         let square = differences.iter().map(|own| own * own).sum::<f64>();
         own.deviation_m = (square / count).sqrt();
         own.range_m = (TIMES * most).max(LEAST_M);
-        let is_known = bins.len() >= LEAST && own.range_m < WIDEST * spacing_m;
+        let is_known = bins.len() >= LEAST && own.range_m < WIDEST_RANGE_SHARE * spacing_m;
         is_known.then_some(own)
     }
 

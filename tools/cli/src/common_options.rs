@@ -11,7 +11,7 @@ use crate::print::{self, Prints};
 
 /// Options of every command.
 #[derive(Debug, Clone, Default, Args)]
-pub(crate) struct Habits {
+pub(crate) struct CommonOptions {
     /// Print errors alone, no results and no notes
     #[arg(short, long, global = true, conflicts_with = "verbose")]
     quiet: bool,
@@ -67,7 +67,7 @@ const OUTPUTS: [&str; 10] = [
     "write_columns",
 ];
 
-impl Habits {
+impl CommonOptions {
     /// Makes them hold for this process. `matches` are those of the command.
     ///
     /// # Errors

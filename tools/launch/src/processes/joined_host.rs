@@ -13,7 +13,7 @@ pub(super) const HOST: &str = "host";
 
 /// The part of a host that has joined the run of another.
 #[derive(Debug, Clone)]
-pub(super) struct Away {
+pub(super) struct JoinedHost {
     pub(super) program: PathBuf,
     /// Where the plant's host listens.
     pub(super) address: Address,
@@ -31,7 +31,7 @@ pub(super) struct Away {
     pub(super) notice: fn(&str),
 }
 
-impl Away {
+impl JoinedHost {
     /// Arguments of the relay alone.
     pub(super) fn relay_arguments(&self) -> Vec<OsString> {
         let mut arguments: Vec<OsString> = vec![

@@ -22,19 +22,19 @@ const TUNNEL_PORTS: Range<u16> = 20_000..32_000;
 
 /// The ssh processes of a run.
 #[derive(Debug, Default)]
-pub(super) struct Guests {
-    running: Vec<Guest>,
+pub(super) struct SshHosts {
+    running: Vec<SshHost>,
 }
 
 /// The ssh process of one host.
 #[derive(Debug)]
-struct Guest {
+struct SshHost {
     host: String,
     target: String,
     child: Child,
 }
 
-impl Guests {
+impl SshHosts {
     /// Starts `slipstream join` on every host that is to be started.
     ///
     /// # Errors
@@ -46,7 +46,7 @@ impl Guests {
             let robots = own.map_or(&[][..], |own| &own.robots);
             let agents = agents(robots, programs);
             let child = command(&across.address, host, target, &agents).spawn()?;
-            guests.running.push(Guest {
+            guests.running.push(SshHost {
                 host: host.clone(),
                 target: target.clone(),
                 child,
@@ -71,7 +71,7 @@ impl Guests {
     }
 }
 
-impl Guest {
+impl SshHost {
     fn failure(&mut self, code: Option<i32>) -> String {
         let mut said = Vec::new();
         if let Some(stderr) = &mut self.child.stderr {
@@ -95,7 +95,7 @@ impl Guest {
     }
 }
 
-impl Drop for Guests {
+impl Drop for SshHosts {
     /// Waits until the hosts have ended, but not for long. A tunnel ends with its ssh, and the host with the tunnel.
     fn drop(&mut self) {
         let begin = Instant::now();

@@ -9,25 +9,25 @@ const FLOOR: f64 = 1.0;
 
 /// Sums of squares and counts of each channel.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Misfit {
+pub(crate) struct SumOfSquares {
     squares: [f64; CHANNELS],
     counts: [f64; CHANNELS],
 }
 
-impl Misfit {
-    /// The misfit of the residuals of a window.
+impl SumOfSquares {
+    /// The squares of the residuals of a window.
     pub(crate) fn new(window: &Window, residuals: &[f64]) -> Self {
-        let mut misfit = Self::default();
+        let mut sum = Self::default();
         for (channel, residual) in window.channels.iter().zip(residuals) {
             if residual.is_finite() {
-                misfit.squares[usize::from(*channel)] += residual * residual;
-                misfit.counts[usize::from(*channel)] += 1.0;
+                sum.squares[usize::from(*channel)] += residual * residual;
+                sum.counts[usize::from(*channel)] += 1.0;
             }
         }
         for (channel, more) in window.repeated(residuals) {
-            misfit.counts[channel] -= more;
+            sum.counts[channel] -= more;
         }
-        misfit
+        sum
     }
 
     /// Mean square of a channel, in square deviations.
@@ -58,8 +58,8 @@ mod tests {
     use crate::predict::fixture;
 
     /// 100 rows of the pose's x, each of this residual (deviations).
-    fn of(residual: f64) -> Misfit {
-        Misfit::new(&fixture::window(vec![2; 100]), &[residual; 100])
+    fn of(residual: f64) -> SumOfSquares {
+        SumOfSquares::new(&fixture::window(vec![2; 100]), &[residual; 100])
     }
 
     #[test]
@@ -72,7 +72,7 @@ mod tests {
     fn means_are_of_what_was_measured() {
         assert!((of(3.0).mean_square(2) - 9.0).abs() < 1e-12);
         assert_eq!(of(3.0).mean_square(3), 0.0);
-        let missing = Misfit::new(&fixture::window(vec![0; 3]), &[2.0, f64::NAN, 2.0]);
+        let missing = SumOfSquares::new(&fixture::window(vec![0; 3]), &[2.0, f64::NAN, 2.0]);
         assert!((missing.mean_square(0) - 4.0).abs() < 1e-12);
     }
 }
