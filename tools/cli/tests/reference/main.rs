@@ -38,7 +38,7 @@ fn generated() -> Files {
     files.insert("commands.md".into(), commands::page());
     files.insert("json.md".into(), json::page());
     files.insert("effects.md".into(), effects::page());
-    let pictures = examples::EXAMPLES.iter().map(|example| {
+    let pictures = examples::all().map(|example| {
         let name = format!("pictures/{}.svg", example.effect);
         (name.into(), simulate::picture(example))
     });
@@ -75,7 +75,7 @@ fn the_reference_is_that_of_the_code() {
 #[test]
 fn every_effect_has_a_small_picture_that_shows_a_difference() {
     let mut bytes = 0;
-    assert_eq!(examples::EXAMPLES.len(), CATALOGUE.len());
+    assert_eq!(examples::all().len(), CATALOGUE.len());
     for info in CATALOGUE {
         let example = examples::of(info.id);
         let [plain, with_effect] = simulate::lines(example);

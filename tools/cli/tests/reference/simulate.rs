@@ -1,9 +1,9 @@
 //! The robot of the paper without and with an effect, under the same commands.
 
-use slipstream_bus::{EffectSpec, Parameter, RobotModel};
-use slipstream_sim::{Command, Robot, State, Stream};
+use slipstream_bus::RobotModel;
+use slipstream_sim::{Robot, State, Stream};
 
-use crate::examples::{Example, Shown, Value};
+use crate::examples::{Example, Shown};
 use crate::picture::{Line, svg};
 
 /// Step of the plant (s).
@@ -19,18 +19,7 @@ pub(crate) fn model(example: &Example, has_effect: bool) -> RobotModel {
         RobotModel::default()
     };
     if has_effect {
-        let parameters = example.parameters.iter().map(|(name, value)| {
-            let value = match value {
-                Value::Number(number) => Parameter::Number(*number),
-                Value::Text(text) => Parameter::Text((*text).to_owned()),
-                Value::List(list) => Parameter::List(list.to_vec()),
-            };
-            ((*name).to_owned(), value)
-        });
-        model.effects.push(EffectSpec {
-            effect: example.effect.to_owned(),
-            parameters: parameters.collect(),
-        });
+        model.effects.push(example.spec());
     }
     model
 }
@@ -42,11 +31,11 @@ pub(crate) fn lines(example: &Example) -> [Line; 2] {
 
 pub(crate) fn picture(example: &Example) -> String {
     let is_floor = matches!(
-        example.shown,
+        example.shows,
         Shown::Path | Shown::SeenPath | Shown::OdometryPath
     );
-    let legend = ["without", example.effect];
-    svg(&lines(example), example.shown.axes(), legend, is_floor)
+    let legend = ["without", example.effect.as_str()];
+    svg(&lines(example), example.shows.axes(), legend, is_floor)
 }
 
 fn line(example: &Example, model: &RobotModel) -> Line {
@@ -54,13 +43,14 @@ fn line(example: &Example, model: &RobotModel) -> Line {
     let mut state = robot.start([0.0; 3]);
     let mut believed = [0.0; 3];
     let mut points = Vec::new();
-    let every = (example.course.length_s / POINTS / STEP_S).ceil() as u32;
-    for step in 0..=(example.course.length_s / STEP_S).round() as u32 {
+    let course = example.course();
+    let every = (course.length_s / POINTS / STEP_S).ceil() as u32;
+    for step in 0..=(course.length_s / STEP_S).round() as u32 {
         let t_s = f64::from(step) * STEP_S;
         if step % every == 0 {
-            points.push(point(example.shown, &robot, &state, believed, t_s));
+            points.push(point(example.shows, &robot, &state, believed, t_s));
         }
-        let command: Command = (example.course.command)(t_s);
+        let command = course.command(t_s);
         robot.step(&mut state, t_s, STEP_S, &command);
         let [v, w] = robot.odometry(robot.measured_speed(&state));
         let [x, y, heading] = believed;

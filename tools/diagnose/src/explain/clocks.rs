@@ -19,6 +19,14 @@ const CLOCKS: [&str; 2] = ["latency_s", "delay_s"];
 const RUNS_DIFFER: f64 = 1e-3;
 const LATE_S: f64 = 0.01;
 
+/// The latency of a run with a clock of its own: its parameter, the robot's number among those that are diagnosed.
+struct ClockOfRun {
+    index: usize,
+    robot: i64,
+    latency_s: f64,
+    deviation_s: f64,
+}
+
 impl Naming<'_> {
     /// The interval of a clock, whose likelihood has more than one maximum.
     pub(super) fn clock(&self, value: &mut Value, weights: &[(usize, f64)]) {
@@ -90,93 +98,91 @@ impl Naming<'_> {
         }
     }
 
+    /// Latencies of the runs that have a clock of their own.
+    fn clocks_of_runs(&self) -> Vec<ClockOfRun> {
+        let (table, selected) = (&self.found.table, &self.found.selected);
+        let read = read(&self.found.nominal, &table.weights, &selected.fit.at);
+        let keys = table.keys.iter().enumerate();
+        let late = keys.filter(|(_, key)| key.name == "run late");
+        late.filter_map(|(index, key)| {
+            let robot = key.robot.filter(|own| *own >= 0)?;
+            // a clock that runs fast is later at the end than in the beginning: on the average of the run
+            let rate = table.find(&Key::of("run rate", key.robot));
+            let mut weights = vec![(index, 1.0)];
+            weights.extend(rate.map(|rate| (rate, self.middle_s(key.robot))));
+            let all = weights.iter();
+            let change: f64 = all.map(|(i, w)| w * selected.fit.at[*i]).sum();
+            Some(ClockOfRun {
+                index,
+                robot,
+                latency_s: read[GYRO_LATENCY] + change,
+                deviation_s: selected.deviation(&weights).hypot(LATE_S),
+            })
+        })
+        .collect()
+    }
+
     /// Latencies of single runs where they differ.
     pub(super) fn late_runs(&self, claims: &mut Vec<Claim>) {
-        let found = self.found;
-        let keys = found.table.keys.iter().enumerate();
-        let late = keys.filter(|(_, key)| key.name == "run late");
-        let late: Vec<(usize, i64)> = late
-            .filter_map(|(index, key)| Some((index, key.robot.filter(|own| *own >= 0)?)))
-            .collect();
-        let selected = &found.selected;
-        let read = read(&found.nominal, &found.table.weights, &selected.fit.at);
-        let known: Vec<(f64, f64)> = late
-            .iter()
-            .map(|(index, _)| {
-                // a clock that runs fast is later at the end than in the beginning: on the average of the run
-                let robot = found.table.keys[*index].robot;
-                let rate = found.table.find(&Key::of("run rate", robot));
-                let middle_s = self.middle_s(robot);
-                let late = [(*index, 1.0)]
-                    .into_iter()
-                    .chain(rate.map(|rate| (rate, middle_s)));
-                let late: Vec<(usize, f64)> = late.collect();
-                let change = late
-                    .iter()
-                    .map(|(i, w)| w * selected.fit.at[*i])
-                    .sum::<f64>();
-                let deviation = selected.deviation(&late);
-                (read[GYRO_LATENCY] + change, deviation.hypot(LATE_S))
-            })
-            .collect();
-        if known.len() < 2 {
+        let clocks = self.clocks_of_runs();
+        if clocks.len() < 2 {
             return;
         }
-        let weights: f64 = known.iter().map(|(_, s)| s.powi(-2)).sum();
-        let mean = known.iter().map(|(x, s)| x / s / s).sum::<f64>() / weights;
-        let q: f64 = known.iter().map(|(x, s)| ((x - mean) / s).powi(2)).sum();
-        let chance = ChiSquared::new(known.len() as f64 - 1.0).map_or(1.0, |chi2| chi2.sf(q));
+        let weight = |own: &ClockOfRun| own.deviation_s.powi(-2);
+        let weights: f64 = clocks.iter().map(weight).sum();
+        let shares = clocks.iter().map(|own| weight(own) / weights);
+        let shares: Vec<f64> = shares.collect();
+        let both = clocks.iter().zip(&shares);
+        let mean: f64 = both.map(|(own, share)| share * own.latency_s).sum();
+        let q: f64 = clocks
+            .iter()
+            .map(|own| weight(own) * (own.latency_s - mean).powi(2))
+            .sum();
+        let chance = ChiSquared::new(clocks.len() as f64 - 1.0).map_or(1.0, |chi2| chi2.sf(q));
         if chance > RUNS_DIFFER {
-            let shares = known.iter().map(|(_, s)| s.powi(-2) / weights);
-            let shares = late.iter().map(|(index, _)| *index).zip(shares);
-            self.late_in_all(claims, shares.collect());
+            let indices = clocks.iter().map(|own| own.index);
+            self.late_in_all(claims, indices.zip(shares).collect());
             return;
         }
-        let of_clock = ["imu_latency", "wheels_latency"];
-        let shared = claims
-            .iter()
-            .filter(|claim| of_clock.contains(&claim.effect));
+        let of_clock = |claim: &Claim| ["imu_latency", "wheels_latency"].contains(&claim.effect);
+        let shared = claims.iter().filter(|claim| of_clock(claim));
         let shared: Vec<usize> = shared.flat_map(|claim| claim.toggles.clone()).collect();
-        claims.retain(|claim| !of_clock.contains(&claim.effect));
-        for ((index, robot), (change, deviation)) in late.into_iter().zip(known) {
-            if found
-                .criterion
-                .alone()
-                .p_value((change / deviation).powi(2), 1)
-                > FALSE_ALARM
-            {
-                continue;
-            }
-            let reference = self.streams.reference;
-            let first = reference.before.robots as i64;
-            let run = reference
-                .runs
-                .iter()
-                .position(|run| run.robot as i64 - first == robot);
-            let rate = found.table.find(&Key::of("run rate", Some(robot)));
-            let (effect, other, sign) = if change < 0.0 {
-                ("wheels_latency", "imu_latency", -1.0)
-            } else {
-                ("imu_latency", "wheels_latency", 1.0)
-            };
-            let half = found.criterion.half_width() * deviation;
-            let mut value = Value::new("latency_s", Link::Identity, change, half);
-            self.clock(&mut value, &[(index, 1.0)]);
-            value.change *= sign;
-            if sign < 0.0 {
-                value.half.reverse();
-            }
-            claims.push(Claim {
-                effect,
-                values: vec![value],
-                word: None,
-                runs: run.map(|run| vec![run]),
-                toggles: shared.iter().copied().chain([index]).chain(rate).collect(),
-                gain: q / 2.0,
-                p_value: chance,
-                confused: vec![other],
-                law: None,
-            });
+        claims.retain(|claim| !of_clock(claim));
+        let alone = self.found.criterion.alone();
+        let clear = clocks.iter().filter(|own| {
+            alone.p_value((own.latency_s / own.deviation_s).powi(2), 1) <= FALSE_ALARM
+        });
+        claims.extend(clear.map(|own| self.late_run(own, &shared, [q, chance])));
+    }
+
+    /// The claim of a run whose latency differs from that of others, with the statistic of their differences and its
+    /// probability; `shared` are parameters of the latency that all have.
+    fn late_run(&self, own: &ClockOfRun, shared: &[usize], [q, chance]: [f64; 2]) -> Claim {
+        let reference = self.streams.reference;
+        let first = reference.before.robots as i64;
+        let mut runs = reference.runs.iter();
+        let run = runs.position(|run| run.robot as i64 - first == own.robot);
+        let rate = self.found.table.find(&Key::of("run rate", Some(own.robot)));
+        let half = self.found.criterion.half_width() * own.deviation_s;
+        let mut value = Value::new("latency_s", Link::Identity, own.latency_s, half);
+        self.clock(&mut value, &[(own.index, 1.0)]);
+        let mut effects = ["imu_latency", "wheels_latency"];
+        if own.latency_s < 0.0 {
+            effects.reverse();
+            value.change = -value.change;
+            value.half.reverse();
+        }
+        let toggles = shared.iter().copied().chain([own.index]).chain(rate);
+        Claim {
+            effect: effects[0],
+            values: vec![value],
+            word: None,
+            runs: run.map(|run| vec![run]),
+            toggles: toggles.collect(),
+            gain: q / 2.0,
+            p_value: chance,
+            confused: vec![effects[1]],
+            law: None,
         }
     }
 }
