@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use slipstream_bag::ros::MessageType;
+
 use crate::table::StreamKind;
 
 /// Name of the metadata record that identifies a file written by slipstream.
@@ -114,6 +116,21 @@ fn unescaped(line: &str) -> String {
 /// Whether a channel only shows a stream that another channel holds.
 pub(crate) fn is_view(metadata: &BTreeMap<String, String>) -> bool {
     metadata.contains_key(VIEW_KEY)
+}
+
+/// The standard message type of a stream whose first column is this, and the last part of its topic.
+pub(crate) fn standard_type(kind: StreamKind, first_column: &str) -> (MessageType, &'static str) {
+    match (kind, first_column) {
+        (StreamKind::Command, "voltage_right_v") => (MessageType::WheelVoltage, "command"),
+        (StreamKind::Command, "v_m_s") => (MessageType::TwistStamped, "command"),
+        (StreamKind::Command, _) => (MessageType::JointState, "command"),
+        (StreamKind::Wheels, "ticks_right") => (MessageType::EncoderTicks, "encoder_ticks"),
+        (StreamKind::Wheels, _) => (MessageType::JointState, "joint_states"),
+        (StreamKind::Odometry, _) => (MessageType::TwistStamped, "odometry"),
+        (StreamKind::Pose, _) => (MessageType::PoseStamped, "pose"),
+        (StreamKind::Imu, _) => (MessageType::Imu, "imu"),
+        (StreamKind::Motor, _) => (MessageType::MotorState, "motor"),
+    }
 }
 
 /// The topic of a robot's stream, such as `/r1/pose`.

@@ -1,6 +1,5 @@
-//! Standard ROS 2 messages of each stream: type, topic, and the message of a row.
+//! Standard ROS 2 messages of each stream: the message of a row.
 
-use slipstream_bag::ros::MessageType;
 use slipstream_bag::ros::compose::{WORLD, header, imu, joint_state};
 use slipstream_bag::ros::messages::{self as ros, Pose, Quaternion, Twist, Vector3};
 use slipstream_bag::ros::time::is_whole_ns;
@@ -8,23 +7,8 @@ use slipstream_bag::{BagWriter, Channel, Result};
 
 use crate::table::{Cells, StreamKind, Table};
 
-/// The standard message type of a stream, and the last part of its topic.
-pub(super) fn standard_type(kind: StreamKind, table: &Table) -> (MessageType, &'static str) {
-    match (kind, first_column(table)) {
-        (StreamKind::Command, "voltage_right_v") => (MessageType::WheelVoltage, "command"),
-        (StreamKind::Command, "v_m_s") => (MessageType::TwistStamped, "command"),
-        (StreamKind::Command, _) => (MessageType::JointState, "command"),
-        (StreamKind::Wheels, "ticks_right") => (MessageType::EncoderTicks, "encoder_ticks"),
-        (StreamKind::Wheels, _) => (MessageType::JointState, "joint_states"),
-        (StreamKind::Odometry, _) => (MessageType::TwistStamped, "odometry"),
-        (StreamKind::Pose, _) => (MessageType::PoseStamped, "pose"),
-        (StreamKind::Imu, _) => (MessageType::Imu, "imu"),
-        (StreamKind::Motor, _) => (MessageType::MotorState, "motor"),
-    }
-}
-
 /// Name of the first column, which identifies the column set.
-fn first_column(table: &Table) -> &'static str {
+pub(super) fn first_column(table: &Table) -> &'static str {
     table.columns.first().map_or("", |(name, _)| *name)
 }
 

@@ -13,14 +13,14 @@ use slipstream_bag::ros::messages as ros;
 use slipstream_bag::ros::time::{is_whole_ns, ns_from_s};
 use slipstream_bag::{BagWriter, Channel, Result};
 
-use super::standard::{is_lossless, standard_type, write_standard};
+use super::standard::{first_column, is_lossless, write_standard};
 use crate::position::{Fate, PositionRecord};
 use crate::recording::{Robot, UnknownColumn};
 use crate::rows::{LinkRows, RowCursor, Rows};
 use crate::table::{
     Cells, LINK_COLUMNS, ROUND_TRIP_COLUMNS, StreamKind, Table, link_columns, number_at,
 };
-use crate::topics::{self, StreamMetadata, robot_topic};
+use crate::topics::{self, StreamMetadata, robot_topic, standard_type};
 
 /// A stream with its channels, and the next of its rows.
 pub(super) struct StreamWriter<'a> {
@@ -54,7 +54,7 @@ impl<'a> StreamWriter<'a> {
         rows: &Rows<'a>,
     ) -> Result<Self> {
         let empty = rows.empty();
-        let (message_type, name) = standard_type(kind, empty);
+        let (message_type, name) = standard_type(kind, first_column(empty));
         let metadata = stream_metadata(
             format!("{}/{}", robot.name, kind.name()),
             empty.columns.iter().map(|(name, _)| *name),

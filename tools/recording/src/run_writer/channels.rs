@@ -8,7 +8,7 @@ use slipstream_bus::experiment::{Drive, WheelSource};
 
 use super::header::RunHeader;
 use crate::table::{LINK_COLUMNS, StreamKind};
-use crate::topics::{self, StreamMetadata, robot_topic};
+use crate::topics::{self, StreamMetadata, robot_topic, standard_type};
 
 /// The topics of one robot.
 #[derive(Debug, Clone, Copy)]
@@ -55,6 +55,9 @@ struct RobotChannels {
     open: [Option<Channel>; 10],
 }
 
+/// A stream and its columns.
+type Stream = (StreamKind, &'static str);
+
 impl RobotTopic {
     /// What a run may write of a robot.
     fn of(drive: Drive, wheels: WheelSource) -> Vec<Self> {
@@ -84,50 +87,25 @@ impl RobotTopic {
 
     /// Message type, last part of the topic, and the stream that slipstream reads from the channel
     /// with its columns. Topics without a stream are for viewers.
-    fn definition(
-        self,
-    ) -> (
-        MessageType,
-        &'static str,
-        Option<(StreamKind, &'static str)>,
-    ) {
+    fn definition(self) -> (MessageType, &'static str, Option<Stream>) {
+        let stream = |kind, columns: &'static str| {
+            let (first, _) = columns.split_once(',').unwrap_or_default();
+            let (message_type, name) = standard_type(kind, first);
+            (message_type, name, Some((kind, columns)))
+        };
         match self {
-            Self::Command => (
-                MessageType::JointState,
-                "command",
-                Some((StreamKind::Command, "torque_right_nm,torque_left_nm")),
-            ),
-            Self::TwistCommand => (
-                MessageType::TwistStamped,
-                "command",
-                Some((StreamKind::Command, "v_m_s,w_rad_s")),
-            ),
-            Self::Encoders => (
-                MessageType::EncoderTicks,
-                "encoder_ticks",
-                Some((StreamKind::Wheels, "ticks_right,ticks_left")),
-            ),
+            Self::Command => stream(StreamKind::Command, "torque_right_nm,torque_left_nm"),
+            Self::TwistCommand => stream(StreamKind::Command, "v_m_s,w_rad_s"),
+            Self::Encoders => stream(StreamKind::Wheels, "ticks_right,ticks_left"),
             Self::Wheels => (MessageType::JointState, "joint_states", None),
-            Self::WheelAngles => (
-                MessageType::JointState,
-                "joint_states",
-                Some((StreamKind::Wheels, "angle_right_rad,angle_left_rad")),
-            ),
-            Self::Camera => (
-                MessageType::PoseStamped,
-                "pose",
-                Some((StreamKind::Pose, "x_m,y_m,yaw_rad")),
-            ),
-            Self::Odometry => (
-                MessageType::Odometry,
-                "odometry",
-                Some((StreamKind::Odometry, "v_m_s,w_rad_s")),
-            ),
-            Self::Imu => (
-                MessageType::Imu,
-                "imu",
-                Some((StreamKind::Imu, "ax_m_s2,ay_m_s2,gz_rad_s")),
-            ),
+            Self::WheelAngles => stream(StreamKind::Wheels, "angle_right_rad,angle_left_rad"),
+            Self::Camera => stream(StreamKind::Pose, "x_m,y_m,yaw_rad"),
+            // Its pose is for viewers.
+            Self::Odometry => {
+                let (_, name, stream) = stream(StreamKind::Odometry, "v_m_s,w_rad_s");
+                (MessageType::Odometry, name, stream)
+            }
+            Self::Imu => stream(StreamKind::Imu, "ax_m_s2,ay_m_s2,gz_rad_s"),
             Self::Truth => (MessageType::Odometry, "truth", None),
             Self::Contact => (MessageType::Contact, "contact", None),
         }
