@@ -2,7 +2,7 @@
 //! delay line, and the traits of a transport.
 //!
 //! Nothing here touches the operating system. Shared memory, clocks and processes are in
-//! `slipstream-ipc`; file formats are in `slipstream-recording` and `slipstream-launch`.
+//! `slipstream-ipc`; file formats are in `slipstream-bag`, `slipstream-recording` and `slipstream-launch`.
 //!
 //! ```
 //! use slipstream_bus::{Experiment, RobotModel, Settings};

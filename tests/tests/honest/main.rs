@@ -1,8 +1,8 @@
 //! No verdict contradicts its numbers, and every number keeps its invariants: over simulated robots, over the
 //! recordings of this repository, and over others where they are.
 //!
-//! `SLIPSTREAM_LONG=1` diagnoses all of them and prints a table; the short form takes those of the repository and the
-//! small ones beside it.
+//! `SLIPSTREAM_LONG=1` diagnoses all of them and prints a table, `SLIPSTREAM_LONG=NAME,NAME` those beside the repository
+//! whose names begin so; the short form takes those of the repository and the small ones beside it.
 
 mod contradictions;
 mod inputs;
@@ -26,7 +26,11 @@ fn root() -> PathBuf {
 }
 
 fn all_inputs() -> Vec<Input> {
-    let long = std::env::var_os("SLIPSTREAM_LONG").is_some();
+    let long = std::env::var("SLIPSTREAM_LONG").ok();
+    let is_asked = |name: &str| match long.as_deref() {
+        Some("1") | None => true,
+        Some(names) => names.split(',').any(|own| name.starts_with(own)),
+    };
     let mut all = vec![Input {
         name: "example".to_owned(),
         recording: root().join("tests/example/recording"),
@@ -37,8 +41,9 @@ fn all_inputs() -> Vec<Input> {
         let folder = root().join(folder);
         if !folder.is_dir() {
             println!("SKIPPED: {} is not there", folder.display());
-        } else if long || is_small {
-            all.extend(inputs(&folder));
+        } else if long.is_some() || is_small {
+            let own = inputs(&folder).into_iter();
+            all.extend(own.filter(|input| is_asked(&input.name)));
         }
     }
     all
