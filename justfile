@@ -73,6 +73,10 @@ honest:
 real RECORDINGS="../shared/recordings":
     cargo run --release -p slipstream-tests --example real -- {{RECORDINGS}}
 
+# Five small changes, made by somebody who had not seen the code, applied to a copy and tested: does the guide still hold?
+stranger *NAMES:
+    bash tests/stranger.sh {{NAMES}}
+
 # Write the reference in docs/reference from the code, and build the site into target/book if mdbook is there.
 docs:
     SLIPSTREAM_WRITE_REFERENCE=1 cargo test -q -p slipstream --test reference
