@@ -162,7 +162,7 @@ fn odd_in_head(page: &str, answer: &Value) -> (usize, Vec<String>) {
     let mut odd = Vec::new();
     for (value, half, before) in &all {
         let ends = |own: &&str| before.ends_with(own);
-        let is_exempt = NAMES.iter().any(|own| ends(&own)) || SUMS.iter().any(|own| ends(&own));
+        let is_exempt = NAMES.iter().chain(&SUMS).any(ends);
         if !is_exempt && !is_known(*value, *half) {
             odd.push(format!("{value} is not in the answer: {text}"));
         }
