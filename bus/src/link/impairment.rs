@@ -17,7 +17,7 @@ pub struct LinkImpairment {
     rng: ChaCha8Rng,
     jitter: Jitter,
     delay_ns: i64,
-    loss: Loss,
+    loss: LossModel,
     in_burst: bool,
     half_round_trips_ns: Vec<Option<i64>>,
     /// Number of messages drawn so far.
@@ -35,7 +35,7 @@ enum Jitter {
 /// Loss model. Bursts follow the Gilbert–Elliott model without losses in the good state and with
 /// certain loss in the bad state.
 #[derive(Debug, Clone, Copy)]
-enum Loss {
+enum LossModel {
     Independent {
         probability: f64,
     },
@@ -64,7 +64,7 @@ impl LinkImpairment {
             rng,
             jitter: Jitter::new(links),
             delay_ns: ns_from_s(links.delay_s),
-            loss: Loss::new(links),
+            loss: LossModel::new(links),
             in_burst: false,
             half_round_trips_ns: half_round_trips_ns.to_vec(),
             drawn: 0,
@@ -91,8 +91,8 @@ impl LinkImpairment {
     fn draw_loss(&mut self) -> bool {
         let uniform: f64 = self.rng.random();
         match self.loss {
-            Loss::Independent { probability } => uniform < probability,
-            Loss::Bursts { begin, end } => {
+            LossModel::Independent { probability } => uniform < probability,
+            LossModel::Bursts { begin, end } => {
                 self.in_burst = if self.in_burst {
                     uniform >= end
                 } else {
@@ -134,7 +134,7 @@ impl Jitter {
     }
 }
 
-impl Loss {
+impl LossModel {
     fn new(links: &LinkSettings) -> Self {
         if links.burst == 0.0 || links.loss == 0.0 {
             return Self::Independent {

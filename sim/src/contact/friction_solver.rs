@@ -53,8 +53,8 @@ struct ConstraintResponse {
     inverse_mass: InverseMass,
 }
 
-type Forces = [Pair<f64>; FRICTION_CONSTRAINTS];
-type Limits = [f64; FRICTION_CONSTRAINTS];
+type ConstraintForces = [Pair<f64>; FRICTION_CONSTRAINTS];
+type ForceLimits = [f64; FRICTION_CONSTRAINTS];
 type Responses = [ConstraintResponse; FRICTION_CONSTRAINTS];
 
 impl<S: Scalar> FrictionProblem<'_, S> {
@@ -66,7 +66,7 @@ impl<S: Scalar> FrictionProblem<'_, S> {
         for constraint in self.at_rest.iter() {
             responses[constraint as usize] = self.response(constraint);
         }
-        let mut force = Forces::default();
+        let mut force = ConstraintForces::default();
         let mut sliding = self.at_rest.intersection(broken_away);
         loop {
             let acceleration = self.accelerations(sliding, &responses, &mut force);
@@ -96,7 +96,7 @@ impl<S: Scalar> FrictionProblem<'_, S> {
     }
 
     /// The active set and the sliding directions, opposite to the friction forces.
-    fn modes(&self, force: &Forces, sliding: ConstraintSet) -> ContactModes {
+    fn modes(&self, force: &ConstraintForces, sliding: ConstraintSet) -> ContactModes {
         let mut modes = ContactModes {
             sticking: self.at_rest,
             direction: [[0.0; 2]; FRICTION_CONSTRAINTS],
@@ -124,7 +124,7 @@ impl<S: Scalar> FrictionProblem<'_, S> {
         &self,
         sliding: ConstraintSet,
         responses: &Responses,
-        force: &mut Forces,
+        force: &mut ConstraintForces,
     ) -> Vector<f64> {
         let load = &self.robot.load;
         let mut normal = [load.driven.value() / 2.0; 2];
@@ -144,8 +144,8 @@ impl<S: Scalar> FrictionProblem<'_, S> {
     /// N_r and N_l (Eq. 4 to 6) under these forces and accelerations (N).
     fn normal_forces(
         &self,
-        limits: &Limits,
-        force: &mut Forces,
+        limits: &ForceLimits,
+        force: &mut ConstraintForces,
         acceleration: &Vector<f64>,
     ) -> Pair<f64> {
         let load = &self.robot.load;
@@ -168,8 +168,8 @@ impl<S: Scalar> FrictionProblem<'_, S> {
 
     /// Friction limit of each constraint (N or N m) under these normal forces: static for those at
     /// rest that are not in `sliding`, else kinetic.
-    fn friction_limits(&self, sliding: ConstraintSet, normal: Pair<f64>) -> Limits {
-        let mut limits = Limits::default();
+    fn friction_limits(&self, sliding: ConstraintSet, normal: Pair<f64>) -> ForceLimits {
+        let mut limits = ForceLimits::default();
         let caster = self.robot.load.total.value() - normal[0] - normal[1];
         for constraint in self.mode.frictional.iter() {
             let i = constraint as usize;
@@ -197,7 +197,7 @@ impl<S: Scalar> FrictionProblem<'_, S> {
 
     /// Sum of the applied force and all friction, as a generalised force. Sets the entries of
     /// `force` for constraints that are not at rest: kinetic friction against their slip.
-    fn total_force(&self, limits: &Limits, force: &mut Forces) -> Vector<f64> {
+    fn total_force(&self, limits: &ForceLimits, force: &mut ConstraintForces) -> Vector<f64> {
         let mut total = self.applied;
         for constraint in self.mode.frictional.iter() {
             let i = constraint as usize;
@@ -216,9 +216,9 @@ impl<S: Scalar> FrictionProblem<'_, S> {
     /// Sweeps over the constraints at rest until no force changes; returns the accelerations.
     fn gauss_seidel(
         &self,
-        limits: &Limits,
+        limits: &ForceLimits,
         responses: &Responses,
-        force: &mut Forces,
+        force: &mut ConstraintForces,
     ) -> Vector<f64> {
         let total = self.total_force(limits, force);
         let mut acceleration = self.mobility * total + self.prescribed;

@@ -41,7 +41,7 @@ pub(super) fn trial_step<S: Scalar>(
         body: *from,
         outcome,
     };
-    let stage = Stage::new(robot, state, span, actuation);
+    let stage = SharedStage::new(robot, state, span, actuation);
     let first = stage.forces(&state.dynamics, &from.nu, from.pose);
     let margin = friction_margin(robot, mode, &state.dynamics, &first);
     let exceeded = margin.map_or(ConstraintSet::default(), |margin| margin.exceeded);
@@ -82,7 +82,7 @@ pub(super) fn trial_step<S: Scalar>(
 }
 
 /// What both stages of a step have in common.
-struct Stage<'a, S> {
+struct SharedStage<'a, S> {
     robot: &'a Robot<S>,
     state: &'a State<S>,
     span: Pair<f64>,
@@ -98,7 +98,7 @@ struct Stage<'a, S> {
     prescribed_acceleration: Vector<S>,
 }
 
-impl<'a, S: Scalar> Stage<'a, S> {
+impl<'a, S: Scalar> SharedStage<'a, S> {
     #[inline]
     fn new(
         robot: &'a Robot<S>,

@@ -16,7 +16,7 @@ const REACH_M: f64 = 0.5;
 
 /// A point of the path of c, with its arc length.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Point {
+struct PathPoint {
     s_m: f64,
     x_m: f64,
     y_m: f64,
@@ -25,8 +25,8 @@ struct Point {
 /// The path that one robot has driven, and the position of its follower on it.
 #[derive(Debug, Clone)]
 pub struct Spacing {
-    points: VecDeque<Point>,
-    newest: Point,
+    points: VecDeque<PathPoint>,
+    newest: PathPoint,
     /// Direction of the path before the first point, which is taken as straight.
     start_yaw_rad: f64,
     /// The first point has been dropped.
@@ -38,7 +38,7 @@ pub struct Spacing {
 impl Spacing {
     /// The path of a robot whose c starts at this pose: x and y (m), heading (rad).
     pub fn new([x_m, y_m, yaw_rad]: [f64; 3]) -> Self {
-        let newest = Point { s_m: 0.0, x_m, y_m };
+        let newest = PathPoint { s_m: 0.0, x_m, y_m };
         let mut points = VecDeque::with_capacity(CAPACITY);
         points.push_back(newest);
         Self {
@@ -55,7 +55,7 @@ impl Spacing {
         let (dx, dy) = (x_m - self.newest.x_m, y_m - self.newest.y_m);
         let (sin, cos) = yaw_rad.sin_cos();
         let ds = dx.hypot(dy).copysign(dx * cos + dy * sin);
-        self.newest = Point {
+        self.newest = PathPoint {
             s_m: self.newest.s_m + ds,
             x_m,
             y_m,

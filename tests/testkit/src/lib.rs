@@ -43,7 +43,7 @@ pub fn record(
         },
     };
     let mut world = World::new(&[setup], seed).unwrap();
-    let mut rows = Rows::default();
+    let mut rows = StampedRows::default();
     let mut command = [0.0; 2];
     for k in 0..(length_s / STEP_S).round() as u32 {
         let t_s = f64::from(k) * STEP_S;
@@ -73,13 +73,13 @@ const STEPS_PER_COMMAND: u32 = 40;
 
 /// Rows of the streams, each with its time (s).
 #[derive(Default)]
-struct Rows {
+struct StampedRows {
     command: Vec<(f64, [f64; 2])>,
     wheels: Vec<(f64, [i64; 2])>,
     pose: Vec<(f64, [f64; 3])>,
 }
 
-impl Rows {
+impl StampedRows {
     fn into_robot(self) -> Robot {
         let mut robot = Robot::named("r1");
         robot.encoder_counts_per_rev = Some(1856.0);

@@ -34,7 +34,7 @@ pub(crate) struct Arguments {
 
 /// What `--json` writes.
 #[derive(Debug, Serialize)]
-struct Answer<'a> {
+struct RobotAnswer<'a> {
     format: u32,
     file: String,
     kind: Kind,
@@ -60,7 +60,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let described = describe_robot(&files)?;
     print::out(format_args!("{}", text(&described)));
     if let Some(path) = &arguments.json {
-        let answer = Answer {
+        let answer = RobotAnswer {
             format: 1,
             file: files
                 .first()

@@ -27,7 +27,7 @@ pub struct Playback {
 /// # Errors
 /// A file that cannot be read.
 pub fn play(file: &Path, playback: Playback, server: &mut Server) -> Result<(), Error> {
-    read_messages(file, &mut Topics(server))?;
+    read_messages(file, &mut TopicAnnouncer(server))?;
     while server.subscriptions() == 0 {
         std::thread::sleep(LOOKING);
     }
@@ -62,9 +62,9 @@ pub fn converted(path: &Path, recording: &Recording) -> Result<Option<NamedTempF
 }
 
 /// Announces every topic before the first message.
-struct Topics<'a>(&'a mut Server);
+struct TopicAnnouncer<'a>(&'a mut Server);
 
-impl Listener for Topics<'_> {
+impl Listener for TopicAnnouncer<'_> {
     fn announced(&mut self, channel: &Announced<'_>) {
         self.0.announced(channel);
     }

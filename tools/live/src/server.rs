@@ -28,14 +28,14 @@ pub struct Server {
     handle: Option<WebSocketServerHandle>,
     context: Arc<Context>,
     channels: BTreeMap<String, Arc<RawChannel>>,
-    subscriptions: Arc<Subscriptions>,
+    subscriptions: Arc<ViewerCount>,
 }
 
 /// Counts what viewers subscribed to.
 #[derive(Default)]
-struct Subscriptions(AtomicUsize);
+struct ViewerCount(AtomicUsize);
 
-impl ServerListener for Subscriptions {
+impl ServerListener for ViewerCount {
     fn on_subscribe(&self, _client: Client, _channel: ChannelView) {
         self.0.fetch_add(1, Ordering::Relaxed);
     }
@@ -49,8 +49,8 @@ impl Server {
     pub fn start(address: &str, name: &str) -> Result<Self, InputError> {
         let own = parsed(address)?;
         let context = Context::new();
-        let subscriptions = Arc::new(Subscriptions::default());
-        let listener: Arc<dyn ServerListener> = Arc::<Subscriptions>::clone(&subscriptions);
+        let subscriptions = Arc::new(ViewerCount::default());
+        let listener: Arc<dyn ServerListener> = Arc::<ViewerCount>::clone(&subscriptions);
         let started = WebSocketServer::new()
             .name(name)
             .bind(own.ip().to_string(), own.port())

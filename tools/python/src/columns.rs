@@ -12,13 +12,13 @@ pub(crate) type Columns = (String, Vec<Column>);
 const LARGEST_COUNT: f64 = 9.0e15;
 
 /// The columns of one stream while they are taken out by name.
-struct Taken<'a> {
+struct TakenColumns<'a> {
     place: String,
     columns: Vec<&'a Column>,
     rows: usize,
 }
 
-impl Taken<'_> {
+impl TakenColumns<'_> {
     fn find(&mut self, name: &str) -> Option<Vec<f64>> {
         let place = self.columns.iter().position(|(own, _)| own == name)?;
         Some(self.columns.remove(place).1.clone())
@@ -56,7 +56,7 @@ pub(crate) fn add(robot: &mut Robot, (name, columns): &Columns) -> Result<(), In
         ));
     };
     let others = columns.iter().filter(|(own, _)| own != "t_s");
-    let mut taken = Taken {
+    let mut taken = TakenColumns {
         place,
         columns: others.collect(),
         rows: t_s.len(),
@@ -126,7 +126,7 @@ fn stream<V>(t_s: Vec<f64>, values: V) -> Stream<V> {
     }
 }
 
-fn check(taken: &Taken<'_>, t_s: &[f64]) -> Result<(), InputError> {
+fn check(taken: &TakenColumns<'_>, t_s: &[f64]) -> Result<(), InputError> {
     if t_s.is_empty() {
         return Err(taken.error("is empty", "leave it out"));
     }
@@ -157,7 +157,7 @@ fn check(taken: &Taken<'_>, t_s: &[f64]) -> Result<(), InputError> {
     Ok(())
 }
 
-fn command(taken: &mut Taken<'_>) -> Result<Command, InputError> {
+fn command(taken: &mut TakenColumns<'_>) -> Result<Command, InputError> {
     if let Some([right_nm, left_nm]) = taken.pair(["torque_right_nm", "torque_left_nm"])? {
         return Ok(Command::Torque { right_nm, left_nm });
     }
@@ -180,7 +180,7 @@ fn command(taken: &mut Taken<'_>) -> Result<Command, InputError> {
     Err(taken.error("has no known pair of columns", remedy))
 }
 
-fn wheels(taken: &mut Taken<'_>) -> Result<Wheels, InputError> {
+fn wheels(taken: &mut TakenColumns<'_>) -> Result<Wheels, InputError> {
     if let Some(pair) = taken.pair(["ticks_right", "ticks_left"])? {
         let counts = |values: &[f64]| -> Option<Vec<Option<i64>>> {
             values.iter().map(|value| count(*value)).collect()

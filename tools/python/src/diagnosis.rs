@@ -16,7 +16,7 @@ use crate::interruptible::{Stop, interruptible};
 use crate::recording::Recording;
 
 /// Models by the name of the robot; without a name for every robot that has none of its own.
-type Models = Vec<(Option<String>, RobotModel)>;
+type ModelsByName = Vec<(Option<String>, RobotModel)>;
 
 /// An answer with what its page shows.
 #[pyclass(module = "slipstream._slipstream", frozen)]
@@ -25,7 +25,7 @@ pub(crate) struct Diagnosis {
     improved: Vec<(String, RobotModel)>,
     figures: Vec<Figures>,
     recordings: Vec<Inner>,
-    models: Models,
+    models: ModelsByName,
     command_line: String,
 }
 
@@ -51,7 +51,7 @@ pub(crate) fn diagnose(
         all.iter().map(|own| Arc::clone(&own.inner)).collect()
     };
     let [recordings, against] = [shared(&recordings), shared(&against)];
-    let models: Result<Models, InputError> = robots
+    let models: Result<ModelsByName, InputError> = robots
         .into_iter()
         .map(|(name, text)| {
             let place = PathBuf::from(name.as_deref().unwrap_or("robot"));
@@ -98,7 +98,7 @@ pub(crate) fn diagnose(
 }
 
 /// The model of a robot.
-fn of(models: &Models, robot: &str) -> Option<RobotModel> {
+fn of(models: &ModelsByName, robot: &str) -> Option<RobotModel> {
     let named = models
         .iter()
         .find(|(name, _)| name.as_deref() == Some(robot));

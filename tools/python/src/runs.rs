@@ -119,7 +119,7 @@ pub(crate) fn trace(py: Python<'_>, path: PathBuf) -> PyResult<String> {
 }
 
 /// Lists of a study by their names, as they arrive.
-type Numbers = Vec<(String, Vec<f64>)>;
+type StudyLists = Vec<(String, Vec<f64>)>;
 type Words = Vec<(String, Vec<String>)>;
 
 /// A study of communication delay, as JSON. What is not given is as in the command.
@@ -128,7 +128,7 @@ pub(crate) fn study(
     py: Python<'_>,
     robots: Option<u32>,
     runs: Option<u32>,
-    numbers: Numbers,
+    numbers: StudyLists,
     words: Words,
     threads: Option<usize>,
 ) -> PyResult<String> {
@@ -171,11 +171,11 @@ fn unknown(name: &str) -> InputError {
 }
 
 /// An effect as it leaves: id, summary, equation, source, and names and units of its parameters.
-type Effect = (String, String, String, String, Vec<(String, String)>);
+type EffectTuple = (String, String, String, String, Vec<(String, String)>);
 
 /// The catalogue of effects: identity, summary, equation, source, and names and units of the parameters.
 #[pyfunction]
-pub(crate) fn effects() -> Vec<Effect> {
+pub(crate) fn effects() -> Vec<EffectTuple> {
     CATALOGUE
         .iter()
         .map(|info| {

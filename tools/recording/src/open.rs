@@ -41,7 +41,7 @@ impl Map {
 }
 
 /// What a path is.
-enum Form {
+enum PathForm {
     /// A folder of CSV files with `recording.toml`.
     Folder,
     /// A bag in one file.
@@ -54,7 +54,7 @@ enum Form {
     SysId,
 }
 
-impl Form {
+impl PathForm {
     fn of(path: &Path) -> Result<Self> {
         let metadata = std::fs::metadata(path).map_err(|e| InputError::unreadable(path, &e))?;
         if !metadata.is_dir() {
@@ -108,25 +108,29 @@ pub fn read_spooled(path: &Path, map: &Map, wheels: &[WheelJoints]) -> Result<Sp
         Map::Topics(topics) => Some(topics),
         _ => None,
     };
-    let form = Form::of(path)?;
+    let form = PathForm::of(path)?;
     let unused = match (&form, map) {
-        (Form::Folder | Form::Csv | Form::SysId, Map::Topics(_)) => Some("has no topics"),
-        (Form::Folder, Map::Columns(_)) => {
+        (PathForm::Folder | PathForm::Csv | PathForm::SysId, Map::Topics(_)) => {
+            Some("has no topics")
+        }
+        (PathForm::Folder, Map::Columns(_)) => {
             Some("has recording.toml, which says what the columns are")
         }
-        (Form::SysId, Map::Columns(_)) => Some("is a log of SysId, whose columns are known"),
-        (Form::Bag(_) | Form::Bags(_), Map::Columns(_)) => Some("is a bag, which has no columns"),
+        (PathForm::SysId, Map::Columns(_)) => Some("is a log of SysId, whose columns are known"),
+        (PathForm::Bag(_) | PathForm::Bags(_), Map::Columns(_)) => {
+            Some("is a bag, which has no columns")
+        }
         _ => None,
     };
     let mut spooled = match form {
-        Form::Folder => spool_folder(path)?,
-        Form::Csv => match map {
+        PathForm::Folder => spool_folder(path)?,
+        PathForm::Csv => match map {
             Map::Columns(columns) => read_columns(path, columns)?,
             _ => read_guessed(path)?,
         },
-        Form::SysId => read_sysid(path)?,
-        Form::Bag(bag) => read_file(&bag, topics, wheels)?,
-        Form::Bags(bags) => read_with_model(&bags, path, topics, wheels)?,
+        PathForm::SysId => read_sysid(path)?,
+        PathForm::Bag(bag) => read_file(&bag, topics, wheels)?,
+        PathForm::Bags(bags) => read_with_model(&bags, path, topics, wheels)?,
     };
     if let Some(reason) = unused {
         let path = path.display();
@@ -159,11 +163,11 @@ pub fn read_mapped_from(content: &[u8], path: &Path, map: Option<&TopicMap>) -> 
 /// # Errors
 /// If the recording cannot be read, or needs no map.
 pub fn draft_map(path: &Path, wheels: &[WheelJoints]) -> Result<String> {
-    match Form::of(path)? {
-        Form::Csv => Ok(Draft::of(path)?.text()),
-        Form::Bag(bag) => draft_with_model(&bag, path, wheels),
-        Form::Bags(bags) => draft_with_model(&bags, path, wheels),
-        Form::Folder | Form::SysId => {
+    match PathForm::of(path)? {
+        PathForm::Csv => Ok(Draft::of(path)?.text()),
+        PathForm::Bag(bag) => draft_with_model(&bag, path, wheels),
+        PathForm::Bags(bags) => draft_with_model(&bags, path, wheels),
+        PathForm::Folder | PathForm::SysId => {
             let problem = "says what its columns are, and needs no map";
             Err(InputError::file(path, problem, "give it without a map").into())
         }
@@ -212,10 +216,10 @@ fn description(path: &Path) -> Result<(PathBuf, String)> {
     if !path.is_dir() && !is_bag(path)? {
         return Ok((path.to_owned(), robot_file::read_text(path)?));
     }
-    match Form::of(path)? {
-        Form::Bag(bag) => description_in(&bag, path),
-        Form::Bags(bags) => description_in(&bags, path),
-        Form::Folder | Form::Csv | Form::SysId => {
+    match PathForm::of(path)? {
+        PathForm::Bag(bag) => description_in(&bag, path),
+        PathForm::Bags(bags) => description_in(&bags, path),
+        PathForm::Folder | PathForm::Csv | PathForm::SysId => {
             let problem = "is a folder without a bag";
             let remedy = "give a URDF, the YAML of a controller or a robot.toml";
             Err(InputError::file(path, problem, remedy).into())

@@ -136,7 +136,7 @@ fn lead(summary: &RunSummary) -> Markup {
 }
 
 /// What is drawn of one robot.
-struct Drawn<'a> {
+struct DrawnRobot<'a> {
     name: &'a str,
     way: Way,
     by_wheels: Points,
@@ -148,13 +148,13 @@ struct Drawn<'a> {
 fn charts(run: &Run<'_>) -> Markup {
     let seen = run.recording.robots.iter().filter(|own| own.pose.is_some());
     let left = seen.clone().count().saturating_sub(DRAWN);
-    let mut drawn: Vec<Drawn<'_>> = Vec::new();
+    let mut drawn: Vec<DrawnRobot<'_>> = Vec::new();
     for robot in seen.take(DRAWN) {
         let way = places(robot);
         let gap = drawn
             .last()
             .map(|ahead| (distances(&ahead.way, &way), ahead.name));
-        drawn.push(Drawn {
+        drawn.push(DrawnRobot {
             name: &robot.name,
             by_wheels: by_wheels(robot),
             on_floor: on_floor(&way),
@@ -169,7 +169,7 @@ fn charts(run: &Run<'_>) -> Markup {
     }
 }
 
-fn rows(run: &Run<'_>, drawn: &[Drawn<'_>]) -> Rows {
+fn rows(run: &Run<'_>, drawn: &[DrawnRobot<'_>]) -> Rows {
     let x = Scale::new(0.0, run.summary.duration_s, 7);
     let speeds = drawn
         .iter()
@@ -196,7 +196,7 @@ fn rows(run: &Run<'_>, drawn: &[Drawn<'_>]) -> Rows {
         }
         rows = rows.row(speed_row(own, x, speed, index + 1 == drawn.len()));
     }
-    let flat = |own: &Drawn<'_>| own.way.iter().map(|p| (p.1, p.2)).collect::<Points>();
+    let flat = |own: &DrawnRobot<'_>| own.way.iter().map(|p| (p.1, p.2)).collect::<Points>();
     let trails: Vec<Points> = drawn.iter().map(flat).collect();
     let scales = floor_scales(trails.iter().flatten().copied());
     let mut frame = Frame::floor(
@@ -226,7 +226,7 @@ fn rows(run: &Run<'_>, drawn: &[Drawn<'_>]) -> Rows {
     }
 }
 
-fn speed_row(own: &Drawn<'_>, x: Scale, y: Scale, is_last: bool) -> Row {
+fn speed_row(own: &DrawnRobot<'_>, x: Scale, y: Scale, is_last: bool) -> Row {
     let described = format!(
         "Speed of {} over time, by its wheels and on the floor, m/s",
         own.name

@@ -93,7 +93,8 @@ pub fn sweep(plan: &Plan, stop: &AtomicBool) -> Result<Sweep, StudyError> {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads.max(1))
         .build()?;
-    let point = |(cell, resolved): (&Cell, &Resolved)| point(plan, cell, resolved, &bar, stop);
+    let point =
+        |(cell, resolved): (&PointValues, &Resolved)| point(plan, cell, resolved, &bar, stop);
     let points: Result<Vec<Option<Point>>, StudyError> =
         pool.install(|| cells.par_iter().zip(&resolved).map(point).collect());
     bar.finish_and_clear();
@@ -111,11 +112,11 @@ pub fn sweep(plan: &Plan, stop: &AtomicBool) -> Result<Sweep, StudyError> {
 }
 
 /// The values of one point.
-type Cell = Vec<(String, String)>;
+type PointValues = Vec<(String, String)>;
 
 /// Every combination; the last key varies fastest.
-fn cells(keys: &[(String, Vec<String>)]) -> Result<Vec<Cell>, InputError> {
-    let mut cells: Vec<Cell> = vec![Vec::new()];
+fn cells(keys: &[(String, Vec<String>)]) -> Result<Vec<PointValues>, InputError> {
+    let mut cells: Vec<PointValues> = vec![Vec::new()];
     for (key, values) in keys {
         if cells.len() * values.len() > MAX_POINTS {
             let remedy = format!("give shorter lists: at most {MAX_POINTS} points");
@@ -125,14 +126,14 @@ fn cells(keys: &[(String, Vec<String>)]) -> Result<Vec<Cell>, InputError> {
                 remedy,
             ));
         }
-        let with = |cell: &Cell| {
+        let with = |cell: &PointValues| {
             let cell = cell.clone();
             let value = move |value: &String| {
                 let mut own = cell.clone();
                 own.push((key.clone(), value.clone()));
                 own
             };
-            values.iter().map(value).collect::<Vec<Cell>>()
+            values.iter().map(value).collect::<Vec<PointValues>>()
         };
         cells = cells.iter().flat_map(with).collect();
     }
@@ -140,7 +141,7 @@ fn cells(keys: &[(String, Vec<String>)]) -> Result<Vec<Cell>, InputError> {
 }
 
 /// The experiment of a point, whose programs have described their controllers.
-fn prepared(plan: &Plan, cell: &Cell) -> Result<Resolved, InputError> {
+fn prepared(plan: &Plan, cell: &PointValues) -> Result<Resolved, InputError> {
     let mut request = plan.request.clone();
     request.set.extend(cell.iter().cloned());
     // At a point with the built-in controller in place of a program, the program's parameters have no meaning.
@@ -158,7 +159,7 @@ fn prepared(plan: &Plan, cell: &Cell) -> Result<Resolved, InputError> {
 /// Runs a point; `None` if it was stopped before its last run.
 fn point(
     plan: &Plan,
-    cell: &Cell,
+    cell: &PointValues,
     resolved: &Resolved,
     bar: &ProgressBar,
     stop: &AtomicBool,
@@ -211,7 +212,7 @@ fn run_once(plan: &Plan, resolved: &Resolved) -> Result<RunSummary, StudyError> 
 }
 
 impl Point {
-    fn new(cell: &Cell, runs: &[RunSummary]) -> Self {
+    fn new(cell: &PointValues, runs: &[RunSummary]) -> Self {
         let count = runs.len().max(1) as f64;
         let mean = |values: Vec<f64>| {
             let sum: f64 = values.iter().sum();

@@ -190,14 +190,14 @@ pub fn answer(log: &Log, names: &[String]) -> Answer {
 
 /// The messages of a link, counted.
 #[derive(Debug, Default)]
-struct Count {
+struct MessageCount {
     sent: u64,
     used: u64,
     incomplete: Incomplete,
     largest_sum_error_ns: i64,
 }
 
-impl Count {
+impl MessageCount {
     fn add(&mut self, fate: &Fate) {
         self.sent += 1;
         let incomplete = &mut self.incomplete;
@@ -220,7 +220,7 @@ impl Count {
 }
 
 fn hops(log: &Log, names: &Names<'_>) -> Vec<Hop> {
-    let mut counts: BTreeMap<Link, Count> = BTreeMap::new();
+    let mut counts: BTreeMap<Link, MessageCount> = BTreeMap::new();
     let mut stages = STAGES.map(|_| UncertainGroups::new(log.disk()));
     let mut end_to_end = Groups::new(log.disk());
     for message in messages(log) {
@@ -235,7 +235,7 @@ fn hops(log: &Log, names: &Names<'_>) -> Vec<Hop> {
         }
     }
     let (stages, end_to_end) = (stages.map(|s| s.percentiles()), end_to_end.percentiles());
-    let hop = |(link, count): (Link, Count)| {
+    let hop = |(link, count): (Link, MessageCount)| {
         let stage = |(&stage, of): (&&'static str, &UncertainPercentiles<Link>)| {
             let (_, figures, uncertainty_s) = *of.get(&link)?;
             Some(StageLatency {

@@ -87,7 +87,7 @@ fn used(log: &Log) -> impl Iterator<Item = (Link, Stages<(i64, Uncertainty)>)> {
 
 /// The means of each link with at least two complete chains, in two visits of all messages.
 fn means(log: &Log) -> BTreeMap<Link, Stages<Mean>> {
-    let mut sums: BTreeMap<Link, Stages<Sum>> = BTreeMap::new();
+    let mut sums: BTreeMap<Link, Stages<DurationSum>> = BTreeMap::new();
     for (link, durations) in used(log) {
         for (sum, (ns, uncertainty)) in sums.entry(link).or_default().iter_mut().zip(durations) {
             sum.add(ns, uncertainty);
@@ -138,7 +138,7 @@ struct Mean {
 
 /// Durations being summed up: first all of them, then their squared deviations from the mean.
 #[derive(Debug, Clone, Copy, Default)]
-struct Sum {
+struct DurationSum {
     count: u64,
     sum_ns: i128,
     squares_s2: f64,
@@ -146,7 +146,7 @@ struct Sum {
     uncertainty: Uncertainty,
 }
 
-impl Sum {
+impl DurationSum {
     fn add(&mut self, duration_ns: i64, uncertainty: Uncertainty) {
         self.count += 1;
         self.sum_ns += i128::from(duration_ns);
@@ -180,7 +180,7 @@ mod tests {
     use super::*;
 
     fn mean_of(durations_ns: [i64; 3]) -> Mean {
-        let mut sum = Sum::default();
+        let mut sum = DurationSum::default();
         durations_ns
             .iter()
             .for_each(|ns| sum.add(*ns, Uncertainty::Exact));

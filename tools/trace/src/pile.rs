@@ -44,9 +44,9 @@ pub(crate) struct Pile<const N: usize> {
     /// The records after the last run, until they are sorted.
     pending: RefCell<Vec<[i64; N]>>,
     /// Sorted parts, until they are merged.
-    runs: RefCell<Vec<Rc<Run<N>>>>,
+    runs: RefCell<Vec<Rc<SortedRun<N>>>>,
     /// All of them, once they are read.
-    sorted: OnceCell<Rc<Run<N>>>,
+    sorted: OnceCell<Rc<SortedRun<N>>>,
 }
 
 impl<const N: usize> Pile<N> {
@@ -105,7 +105,7 @@ impl<const N: usize> Pile<N> {
         Cursor::new(Rc::clone(self.sorted()))
     }
 
-    fn sorted(&self) -> &Rc<Run<N>> {
+    fn sorted(&self) -> &Rc<SortedRun<N>> {
         self.sorted.get_or_init(|| {
             let mut runs = self.runs.take();
             runs.push(Rc::new(self.run_of(self.pending.take())));
@@ -115,13 +115,14 @@ impl<const N: usize> Pile<N> {
                 let merged = runs.chunks(FAN_IN).map(|runs| self.merge(runs, &disk));
                 runs = merged.map(Rc::new).collect();
             }
-            runs.pop().unwrap_or_else(|| Rc::new(Run::new(&self.disk)))
+            runs.pop()
+                .unwrap_or_else(|| Rc::new(SortedRun::new(&self.disk)))
         })
     }
 
-    fn run_of(&self, mut records: Vec<[i64; N]>) -> Run<N> {
+    fn run_of(&self, mut records: Vec<[i64; N]>) -> SortedRun<N> {
         records.sort_by_key(key_of);
-        let mut run = Run::new(&self.runs_disk.borrow());
+        let mut run = SortedRun::new(&self.runs_disk.borrow());
         for record in records {
             run.push(record, self.keep);
         }
@@ -129,9 +130,9 @@ impl<const N: usize> Pile<N> {
     }
 
     /// Merges sorted parts; of records with equal keys, those of the earlier part come first.
-    fn merge(&self, runs: &[Rc<Run<N>>], disk: &Disk) -> Run<N> {
+    fn merge(&self, runs: &[Rc<SortedRun<N>>], disk: &Disk) -> SortedRun<N> {
         let mut cursors: Vec<Cursor<N>> = runs.iter().cloned().map(Cursor::new).collect();
-        let mut merged = Run::new(disk);
+        let mut merged = SortedRun::new(disk);
         let mut next = BinaryHeap::new();
         for (index, cursor) in cursors.iter_mut().enumerate() {
             next.extend(
@@ -153,11 +154,11 @@ fn key_of<const N: usize>(record: &[i64; N]) -> PileKey {
     [0, 1].map(|i| record.get(i).copied().unwrap_or_default())
 }
 
-type Block<const N: usize> = Rc<Vec<[i64; N]>>;
+type BlockBytes<const N: usize> = Rc<Vec<[i64; N]>>;
 
 /// Where a block lies.
 #[derive(Debug, Clone, Copy)]
-struct Place {
+struct BlockPlace {
     first: PileKey,
     offset: u64,
     records: usize,
@@ -165,15 +166,15 @@ struct Place {
 
 /// Sorted records: blocks on disk, and the last ones in memory.
 #[derive(Debug, Clone)]
-struct Run<const N: usize> {
+struct SortedRun<const N: usize> {
     disk: Disk,
-    blocks: Vec<Place>,
+    blocks: Vec<BlockPlace>,
     tail: Vec<[i64; N]>,
     /// The blocks read last, by their index; the latest at the end.
-    cache: RefCell<Vec<(usize, Block<N>)>>,
+    cache: RefCell<Vec<(usize, BlockBytes<N>)>>,
 }
 
-impl<const N: usize> Run<N> {
+impl<const N: usize> SortedRun<N> {
     fn new(disk: &Disk) -> Self {
         Self {
             disk: disk.clone(),
@@ -205,7 +206,7 @@ impl<const N: usize> Run<N> {
         if let Some(first) = self.tail.first().map(key_of) {
             let numbers = self.tail.iter().flatten();
             let bytes: Vec<u8> = numbers.flat_map(|number| number.to_le_bytes()).collect();
-            self.blocks.push(Place {
+            self.blocks.push(BlockPlace {
                 first,
                 offset: self.disk.append(&bytes),
                 records: self.tail.len(),
@@ -238,7 +239,7 @@ impl<const N: usize> Run<N> {
     }
 
     /// A block, from the cache if it is there.
-    fn block(&self, index: usize) -> Block<N> {
+    fn block(&self, index: usize) -> BlockBytes<N> {
         let mut cache = self.cache.borrow_mut();
         if let Some(at) = cache.iter().rposition(|(cached, _)| *cached == index) {
             let hit = cache.remove(at);
@@ -270,13 +271,13 @@ impl<const N: usize> Run<N> {
 /// Reads sorted records one after the other.
 #[derive(Debug)]
 struct Cursor<const N: usize> {
-    run: Rc<Run<N>>,
+    run: Rc<SortedRun<N>>,
     next_block: usize,
     block: std::vec::IntoIter<[i64; N]>,
 }
 
 impl<const N: usize> Cursor<N> {
-    fn new(run: Rc<Run<N>>) -> Self {
+    fn new(run: Rc<SortedRun<N>>) -> Self {
         Self {
             run,
             next_block: 0,

@@ -47,7 +47,7 @@ impl Subscriber for Refusals {
     fn record_follows_from(&self, _: &Id, _: &Id) {}
 
     fn event(&self, event: &LogEvent<'_>) {
-        let mut message = Message::default();
+        let mut message = EventText::default();
         event.record(&mut message);
         // The hint that Zenoh adds is about something else.
         let reason = message.0.split(". Hint:").next().unwrap_or_default();
@@ -66,9 +66,9 @@ impl Subscriber for Refusals {
 
 /// The text of an event.
 #[derive(Default)]
-struct Message(String);
+struct EventText(String);
 
-impl Visit for Message {
+impl Visit for EventText {
     fn record_debug(&mut self, field: &Field, value: &dyn Debug) {
         if field.name() == "message" {
             self.0 = format!("{value:?}");

@@ -7,11 +7,11 @@ use super::play::{Play, stopped_by_plant};
 use crate::frame::{Answer, Down, Round, Up, encode};
 
 /// The last answer, encoded, and its round.
-type Answered = (u64, Vec<u8>);
+type LastAnswer = (u64, Vec<u8>);
 
 /// Answers the rounds of the plant until the run is over. Returns why it ended early, if it did.
 pub(super) fn rounds(play: &mut Play<'_>) -> Result<Option<String>, BusError> {
-    let mut answered: Answered = (0, Vec::new());
+    let mut answered: LastAnswer = (0, Vec::new());
     play.send(&Up::Ready(play.run))?;
     play.joined.wake_page().advance(Stage::Running);
     loop {
@@ -28,7 +28,7 @@ pub(super) fn rounds(play: &mut Play<'_>) -> Result<Option<String>, BusError> {
 }
 
 /// Plays a round, or answers one that came again from memory.
-fn answer(play: &mut Play<'_>, round: &Round, answered: &mut Answered) -> Result<(), BusError> {
+fn answer(play: &mut Play<'_>, round: &Round, answered: &mut LastAnswer) -> Result<(), BusError> {
     if round.number == answered.0 {
         play.contact.sent();
         return play.carrier.send(&answered.1);

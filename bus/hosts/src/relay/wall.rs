@@ -18,7 +18,7 @@ use crate::log;
 use crate::timing::{NEWS_INTERVAL, PRIORITY, RESEND, TIME_INTERVAL};
 
 /// The relay on the wall clock.
-struct Wall<'p, 'a> {
+struct WallRelay<'p, 'a> {
     play: &'p mut Play<'a>,
     topology: Topology,
     clock: HostClock,
@@ -44,7 +44,7 @@ pub(super) fn pass_on(
     let _ = RealTime::request(PRIORITY);
     let presence = play.joined.presence.clone();
     let source = play.robots.first().map_or(0, |robot| robot + 1);
-    let mut wall = Wall {
+    let mut wall = WallRelay {
         topology: Topology::new(&play.joined.experiment),
         clock: HostClock::default(),
         asked: None,
@@ -78,7 +78,7 @@ pub(super) fn pass_on(
     }
 }
 
-impl Wall<'_, '_> {
+impl WallRelay<'_, '_> {
     /// Takes the frames that come within a moment. Returns the end of the run, if it has come.
     fn take_frames(&mut self) -> Result<Option<End>, BusError> {
         let mut timeout = NEWS_INTERVAL;

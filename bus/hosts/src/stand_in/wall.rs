@@ -28,7 +28,7 @@ const START_WAIT: Duration = Duration::from_millis(1);
 const MAX_DEATHS: u32 = 16;
 
 /// The stand-in on the wall clock.
-struct Wall<'a> {
+struct WallStandIn<'a> {
     wake_page: &'a WakePage,
     topology: Topology,
     /// The robots whose agents run on other hosts.
@@ -54,7 +54,7 @@ pub(super) fn pass_on(
     let start_ns = wake_page.start_ns();
     session.start_ns = start_ns;
     trace::use_clock(joined.clock());
-    let wall = Wall {
+    let wall = WallStandIn {
         wake_page,
         topology: Topology::new(experiment),
         elsewhere: robots_of(session.hosts).collect(),
@@ -82,7 +82,7 @@ pub(super) fn pass_on(
     Ok(())
 }
 
-impl Wall<'_> {
+impl WallStandIn<'_> {
     /// Takes what has come from a host.
     fn take(
         &self,

@@ -25,7 +25,7 @@ use crate::robot::mode::Mode;
 use crate::robot::rolling_motion::RollingMotion;
 
 /// Accelerations over surge and yaw rate, and the forces that act besides those of the contacts.
-struct Instant<S> {
+struct DraftInstant<S> {
     acceleration: Pair<S>,
     force: Vector<S>,
 }
@@ -134,7 +134,7 @@ impl<'a, S: Scalar> Held<'a, S> {
     }
 
     #[inline]
-    fn at(&self, velocity: Pair<S>, pose: [S; 3]) -> Instant<S> {
+    fn at(&self, velocity: Pair<S>, pose: [S; 3]) -> DraftInstant<S> {
         let robot = self.robot;
         let nu = self.motion.full(velocity);
         let mut force = self.force + applied_forces(robot, &nu, pose, self.span, self.torque);
@@ -143,7 +143,7 @@ impl<'a, S: Scalar> Held<'a, S> {
         }
         let [surge, yaw] = self.motion.reduced(&force);
         let [a, b, c] = self.inverse;
-        Instant {
+        DraftInstant {
             acceleration: [a * surge + b * yaw, b * surge + c * yaw],
             force,
         }
@@ -151,7 +151,7 @@ impl<'a, S: Scalar> Held<'a, S> {
 
     /// Forces at the driven wheels: what the rolling motion needs beyond all other forces.
     #[inline]
-    fn contact(&self, at: &Instant<S>) -> ContactForces<S> {
+    fn contact(&self, at: &DraftInstant<S>) -> ContactForces<S> {
         let (robot, over_s) = (self.robot, 0.5 * self.span[1]);
         let rate = self.motion.full(at.acceleration);
         let wheels = wheel_inertias(robot, self.mode.gear);

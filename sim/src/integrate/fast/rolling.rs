@@ -35,7 +35,7 @@ pub(crate) struct RollingStep<S> {
 }
 
 /// Accelerations and contact forces at one instant.
-struct Instant<S> {
+struct RollingInstant<S> {
     surge: S,
     yaw: S,
     contact: ContactForces<S>,
@@ -82,7 +82,7 @@ impl<S: Scalar> RollingStep<S> {
     }
 
     #[inline(always)]
-    fn at(&self, robot: &Robot<S>, u: S, rate: S, torque: Pair<S>) -> Instant<S> {
+    fn at(&self, robot: &Robot<S>, u: S, rate: S, torque: Pair<S>) -> RollingInstant<S> {
         let (product, square) = (u * rate, rate * rate);
         let sum = |k: &Coefficients<S>| {
             (k[0] * torque[0] + k[1] * torque[1]) + (k[2] * product + k[3] * square)
@@ -105,7 +105,7 @@ impl<S: Scalar> RollingStep<S> {
             };
             sticks = safe(0) & safe(1);
         }
-        Instant {
+        RollingInstant {
             surge: sum(&self.surge),
             yaw: sum(&self.yaw),
             contact,

@@ -26,7 +26,7 @@ pub(crate) struct SlidingStep<S> {
 }
 
 /// Slip, accelerations and contact forces at one instant.
-struct Instant<S> {
+struct SlidingInstant<S> {
     /// Longitudinal slip of the right and the left contact, and lateral slip of both (m/s).
     slip: [S; 3],
     acceleration: Vector<S>,
@@ -58,7 +58,7 @@ impl<S: Scalar> SlidingStep<S> {
         outside: Option<&Vector<S>>,
         nu: &Vector<S>,
         mut torque: Pair<S>,
-    ) -> Instant<S> {
+    ) -> SlidingInstant<S> {
         let slip = robot.wheel_slip(nu);
         let (u, w, rate) = (nu[0], nu[1], nu[2]);
         let (m, [sx, sy]) = (robot.mass, robot.first_moment);
@@ -97,7 +97,7 @@ impl<S: Scalar> SlidingStep<S> {
             a * force[0] + b * force[1] + c * force[2]
         };
         let spin = |i: usize| (torque[i] - robot.radius[i] * longitudinal_n[i]) * self.per_spin;
-        Instant {
+        SlidingInstant {
             slip,
             acceleration: Vector::from([row(0), row(1), row(2), spin(0), spin(1)]),
             contact: ContactForces {

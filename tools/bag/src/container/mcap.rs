@@ -83,7 +83,7 @@ struct BagReader<'a> {
     /// Names of the message types, by schema id.
     schemas: BTreeMap<u16, Schema>,
     /// Channels, by channel id.
-    channels: Vec<Option<Known>>,
+    channels: Vec<Option<KnownChannel>>,
     /// Where chunks begin that have no wanted message.
     unwanted_chunks: BTreeSet<u64>,
     /// The decompressed records of the current chunk; kept to save allocations.
@@ -94,7 +94,7 @@ struct BagReader<'a> {
 
 /// A channel, and whether its messages are wanted.
 #[derive(Clone)]
-struct Known {
+struct KnownChannel {
     channel: Arc<ChannelInfo>,
     is_wanted: bool,
 }
@@ -288,7 +288,7 @@ impl<'a> BagReader<'a> {
             Record::Message { header, data } => {
                 let known = self.channels.get(usize::from(header.channel_id));
                 let visited = match known.and_then(Option::as_ref) {
-                    Some(Known { channel, is_wanted }) => (self.visit)(match is_wanted {
+                    Some(KnownChannel { channel, is_wanted }) => (self.visit)(match is_wanted {
                         true => Item::Message {
                             id: header.channel_id.into(),
                             channel,
@@ -347,7 +347,7 @@ impl<'a> BagReader<'a> {
         self.loss.damaged_records += u64::from((self.visit)(item).is_err());
         let is_wanted = (self.wanted)(&channel);
         if let Some(slot) = self.channels.get_mut(place) {
-            *slot = Some(Known { channel, is_wanted });
+            *slot = Some(KnownChannel { channel, is_wanted });
         }
     }
 }

@@ -58,7 +58,7 @@ pub(super) fn read_ros1(
         unpacked: Vec::new(),
     };
     let read = reader.records(source).map_err(unreadable)?;
-    if let End::Damaged { bytes_read } = read {
+    if let RecordsEnd::Damaged { bytes_read } = read {
         reader.loss.truncated = true;
         reader.loss.bytes_at_end = size.saturating_sub(start + bytes_read);
     }
@@ -67,7 +67,7 @@ pub(super) fn read_ros1(
 
 /// How a sequence of records ended.
 #[derive(Clone, Copy, PartialEq)]
-enum End {
+enum RecordsEnd {
     Complete,
     /// After this many bytes of complete records.
     Damaged {
@@ -85,16 +85,16 @@ struct Ros1Reader<'a> {
 
 impl Ros1Reader<'_> {
     /// Reads all records of a file.
-    fn records(&mut self, source: &mut dyn Read) -> io::Result<End> {
+    fn records(&mut self, source: &mut dyn Read) -> io::Result<RecordsEnd> {
         let (mut header, mut data) = (Vec::new(), Vec::new());
         let mut bytes_read = 0;
         loop {
             match read_block(source, &mut header)? {
-                Block::Whole => {}
-                Block::None => return Ok(End::Complete),
-                Block::Cut => return Ok(End::Damaged { bytes_read }),
+                BlockRead::Whole => {}
+                BlockRead::None => return Ok(RecordsEnd::Complete),
+                BlockRead::Cut => return Ok(RecordsEnd::Damaged { bytes_read }),
             }
-            let is_whole = read_block(source, &mut data)? == Block::Whole;
+            let is_whole = read_block(source, &mut data)? == BlockRead::Whole;
             let is_chunk = field(&header, b"op") == Some(&[op::CHUNK]);
             // A chunk whose end is missing still has messages.
             if is_chunk {
@@ -103,7 +103,7 @@ impl Ros1Reader<'_> {
                 self.record(&header, &data);
             }
             if !is_whole {
-                return Ok(End::Damaged { bytes_read });
+                return Ok(RecordsEnd::Damaged { bytes_read });
             }
             bytes_read += (8 + header.len() + data.len()) as u64;
         }
@@ -184,7 +184,7 @@ impl Ros1Reader<'_> {
 
 /// What [`read_block`] found.
 #[derive(PartialEq)]
-enum Block {
+enum BlockRead {
     Whole,
     /// Nothing: the source is at its end.
     None,
@@ -193,23 +193,27 @@ enum Block {
 }
 
 /// Replaces `block` by the next bytes, whose number stands before them.
-fn read_block(source: &mut dyn Read, block: &mut Vec<u8>) -> io::Result<Block> {
+fn read_block(source: &mut dyn Read, block: &mut Vec<u8>) -> io::Result<BlockRead> {
     block.clear();
     source.take(4).read_to_end(block)?;
     if block.is_empty() {
-        return Ok(Block::None);
+        return Ok(BlockRead::None);
     }
     let Ok(length) = <[u8; 4]>::try_from(&block[..]) else {
-        return Ok(Block::Cut);
+        return Ok(BlockRead::Cut);
     };
     block.clear();
     let length = u64::from(u32::from_le_bytes(length));
     if length > MAX_CHUNK_BYTES {
-        return Ok(Block::Cut);
+        return Ok(BlockRead::Cut);
     }
     source.take(length).read_to_end(block)?;
     let is_whole = block.len() as u64 == length;
-    Ok(if is_whole { Block::Whole } else { Block::Cut })
+    Ok(if is_whole {
+        BlockRead::Whole
+    } else {
+        BlockRead::Cut
+    })
 }
 
 /// The block at the beginning, and what follows it.

@@ -85,7 +85,7 @@ pub(super) fn read_database(
     let mut last = i64::MIN;
     while !matches!(
         messages_after(database, &query, &mut last, &topics, visit, &mut loss),
-        Ok(End::Complete)
+        Ok(RowsEnd::Complete)
     ) {
         let Some(next) = first_readable_after(database, last) else {
             loss.truncated = true;
@@ -118,13 +118,13 @@ fn restrict(database: &Connection) -> rusqlite::Result<()> {
 }
 
 /// The topics by their number, and whether their messages are wanted.
-type Topics = BTreeMap<u32, (Arc<ChannelInfo>, bool)>;
+type WantedTopics = BTreeMap<u32, (Arc<ChannelInfo>, bool)>;
 
 /// Encoding and bytes of a definition, by the name of its type.
 type Definitions = BTreeMap<String, Arc<(String, Vec<u8>)>>;
 
 /// The topics of a database.
-fn topics(database: &Connection, wanted: &Wanted<'_>) -> rusqlite::Result<Topics> {
+fn topics(database: &Connection, wanted: &Wanted<'_>) -> rusqlite::Result<WantedTopics> {
     let definitions = definitions(database).unwrap_or_default();
     let mut statement =
         database.prepare("SELECT id, name, type, serialization_format FROM topics")?;
@@ -156,7 +156,7 @@ fn definitions(database: &Connection) -> rusqlite::Result<Definitions> {
 }
 
 /// The query for all rows after one. The data of unwanted topics, which may be long, stay on the disk.
-fn query(topics: &Topics) -> String {
+fn query(topics: &WantedTopics) -> String {
     let unwanted = topics.iter().filter(|(_, (_, is_wanted))| !is_wanted);
     let unwanted: Vec<String> = unwanted.map(|(id, _)| id.to_string()).collect();
     let unwanted = unwanted.join(", ");
@@ -167,7 +167,7 @@ fn query(topics: &Topics) -> String {
 }
 
 /// How the rows ended.
-enum End {
+enum RowsEnd {
     Complete,
     Damaged,
 }
@@ -177,16 +177,16 @@ fn messages_after(
     database: &Connection,
     query: &str,
     last: &mut i64,
-    topics: &Topics,
+    topics: &WantedTopics,
     visit: &mut Visit<'_>,
     loss: &mut Loss,
-) -> rusqlite::Result<End> {
+) -> rusqlite::Result<RowsEnd> {
     let mut statement = database.prepare(query)?;
     let mut rows = statement.query([*last])?;
     while let Some(row) = rows.next()? {
         let id = row.get(0)?;
         if id <= *last {
-            return Ok(End::Damaged);
+            return Ok(RowsEnd::Damaged);
         }
         *last = id;
         let visited = match (row.get_ref(1)?, row.get_ref(2)?, row.get_ref(3)?) {
@@ -220,7 +220,7 @@ fn messages_after(
             Err(Undecodable) => loss.undecodable_messages += 1,
         }
     }
-    Ok(End::Complete)
+    Ok(RowsEnd::Complete)
 }
 
 /// The first row after `last` that can be read, where the next one cannot; `None` if there is none.

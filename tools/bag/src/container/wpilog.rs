@@ -57,16 +57,16 @@ pub(super) fn read_wpilog(
         return Err(InputError::file(path, problem, "convert it to MCAP"));
     };
     fill(source, &mut data, extra.min(MAX_CHUNK_BYTES)).map_err(unreadable)?;
-    let mut reader = Reader {
+    let mut reader = LogReader {
         entries: Channels::new(wanted, visit),
         loss: Loss::default(),
     };
     let mut bytes_read = 12 + extra;
     loop {
         match reader.record(source, &mut data).map_err(unreadable)? {
-            Record::Whole { bytes } => bytes_read += bytes,
-            Record::None => return Ok(reader.loss),
-            Record::Cut => break,
+            RecordFound::Whole { bytes } => bytes_read += bytes,
+            RecordFound::None => return Ok(reader.loss),
+            RecordFound::Cut => break,
         }
     }
     reader.loss.truncated = true;
@@ -75,22 +75,22 @@ pub(super) fn read_wpilog(
 }
 
 /// What was found of a record.
-enum Record {
+enum RecordFound {
     Whole { bytes: u64 },
     None,
     Cut,
 }
 
-struct Reader<'a> {
+struct LogReader<'a> {
     /// Started entries.
     entries: Channels<'a>,
     loss: Loss,
 }
 
-impl Reader<'_> {
-    fn record(&mut self, source: &mut dyn Read, data: &mut Vec<u8>) -> io::Result<Record> {
+impl LogReader<'_> {
+    fn record(&mut self, source: &mut dyn Read, data: &mut Vec<u8>) -> io::Result<RecordFound> {
         if !fill(source, data, 1)? {
-            return Ok(Record::None);
+            return Ok(RecordFound::None);
         }
         let lengths = data.first().copied().unwrap_or_default();
         let lengths = [
@@ -101,7 +101,7 @@ impl Reader<'_> {
         let mut numbers = [0; 3];
         for (number, length) in numbers.iter_mut().zip(lengths) {
             if !fill(source, data, u64::from(length))? {
-                return Ok(Record::Cut);
+                return Ok(RecordFound::Cut);
             }
             *number = data
                 .iter()
@@ -110,12 +110,12 @@ impl Reader<'_> {
         }
         let [entry, length, t_us] = numbers;
         if length > MAX_CHUNK_BYTES || !fill(source, data, length)? {
-            return Ok(Record::Cut);
+            return Ok(RecordFound::Cut);
         }
         self.content(entry as u32, t_us, data);
         let head: u64 = lengths.into_iter().map(u64::from).sum();
         let bytes = 1 + head + length;
-        Ok(Record::Whole { bytes })
+        Ok(RecordFound::Whole { bytes })
     }
 
     fn content(&mut self, entry: u32, t_us: u64, data: &[u8]) {

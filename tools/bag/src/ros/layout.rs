@@ -56,7 +56,7 @@ pub(super) enum Count {
 const MOST_NAME_BYTES: usize = 256;
 
 /// One type of a definition, with the text of its fields.
-struct Section<'a> {
+struct TypeSection<'a> {
     /// Package and type, such as `std_msgs/Header`.
     name: String,
     lines: Vec<&'a str>,
@@ -112,14 +112,14 @@ impl Layout {
 }
 
 /// The types of a definition; the first is its own.
-fn sections<'a>(name: &str, text: &'a str) -> Vec<Section<'a>> {
-    let mut sections = vec![Section {
+fn sections<'a>(name: &str, text: &'a str) -> Vec<TypeSection<'a>> {
+    let mut sections = vec![TypeSection {
         name: without_msg(name),
         lines: Vec::new(),
     }];
     for line in text.lines() {
         if let Some(name) = line.trim().strip_prefix("MSG:") {
-            sections.push(Section {
+            sections.push(TypeSection {
                 name: without_msg(name.trim()),
                 lines: Vec::new(),
             });
@@ -154,7 +154,7 @@ fn field(line: &str) -> Option<(&str, &str)> {
 fn typed(
     of: &str,
     name: &str,
-    section: &Section<'_>,
+    section: &TypeSection<'_>,
     indices: &BTreeMap<&str, usize>,
 ) -> Option<Field> {
     if name.len() > MOST_NAME_BYTES {
@@ -177,7 +177,7 @@ fn typed(
     })
 }
 
-fn kind(of: &str, section: &Section<'_>, indices: &BTreeMap<&str, usize>) -> Option<Kind> {
+fn kind(of: &str, section: &TypeSection<'_>, indices: &BTreeMap<&str, usize>) -> Option<Kind> {
     if let Some(number) = number_of(of) {
         return Some(number);
     }

@@ -37,7 +37,7 @@ impl Layout {
             (Encoding::Cdr, [_, 1, _, _, body @ ..]) => (body, false),
             (Encoding::Cdr, _) => return Err("is not plain CDR".to_owned()),
         };
-        let mut walk = Walk {
+        let mut walk = MessageWalk {
             layout: self,
             body,
             at: 0,
@@ -57,7 +57,7 @@ impl Layout {
 
     /// The paths of all fields with numbers; of lists, that of the list. At most a thousand.
     pub fn number_paths(&self) -> Vec<String> {
-        let mut paths = Paths {
+        let mut paths = FieldPaths {
             found: Vec::new(),
             steps_left: MOST_STEPS,
         };
@@ -65,7 +65,7 @@ impl Layout {
         paths.found
     }
 
-    fn add_paths(&self, index: usize, depth: usize, before: &str, paths: &mut Paths) {
+    fn add_paths(&self, index: usize, depth: usize, before: &str, paths: &mut FieldPaths) {
         const MOST_PATHS: usize = 1000;
         for field in self.types.get(index).into_iter().flatten() {
             let is_full = paths.found.len() >= MOST_PATHS || paths.steps_left == 0;
@@ -89,14 +89,14 @@ impl Layout {
 const MOST_STEPS: usize = 10_000;
 
 /// The paths of fields being collected.
-struct Paths {
+struct FieldPaths {
     found: Vec<String>,
     /// Types that contain others many times may have fields without end.
     steps_left: usize,
 }
 
 /// A message being read, field by field. `None` means that it is not a message of its type.
-struct Walk<'a, 't> {
+struct MessageWalk<'a, 't> {
     layout: &'a Layout,
     body: &'a [u8],
     /// Place in the body (bytes).
@@ -110,7 +110,7 @@ struct Walk<'a, 't> {
     take: &'a mut Take<'t>,
 }
 
-impl Walk<'_, '_> {
+impl MessageWalk<'_, '_> {
     fn message(&mut self, index: usize, depth: usize, is_told: bool) -> Option<()> {
         if depth > MOST_DEPTH {
             return None;

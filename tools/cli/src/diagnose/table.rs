@@ -9,11 +9,11 @@ use slipstream_sim::effects::{Role, find};
 use super::text::{SMALL_PART, size};
 
 /// Cells of a row: what, was, is, 95 % interval, worth.
-type Cells = [String; 5];
+type RowCells = [String; 5];
 
 /// A line of the table: cells below their headings, or text.
-enum Line {
-    Cells(Cells),
+enum TableLine {
+    Cells(RowCells),
     Text(String),
 }
 
@@ -24,18 +24,18 @@ pub(super) fn table(answer: &Answer, with_statements: bool) -> String {
     }
     let horizon = format!("worth over {:.0} s", answer.held_out.horizon_s);
     let head = ["what", "was", "is", "95 % interval", &horizon];
-    let mut lines = vec![Line::Cells(head.map(str::to_owned))];
+    let mut lines = vec![TableLine::Cells(head.map(str::to_owned))];
     for finding in &answer.findings {
         rows(answer, finding, &mut lines);
         if with_statements {
-            lines.push(Line::Text(finding.statement.clone()));
+            lines.push(TableLine::Text(finding.statement.clone()));
         }
     }
     laid_out(&lines)
 }
 
 /// The lines of one finding.
-fn rows(answer: &Answer, finding: &Finding, lines: &mut Vec<Line>) {
+fn rows(answer: &Answer, finding: &Finding, lines: &mut Vec<TableLine>) {
     let robots = answer.findings.iter().map(|own| &own.robot);
     let is_of_one = robots.clone().all(|robot| *robot == finding.robot);
     let what = match is_of_one {
@@ -44,12 +44,12 @@ fn rows(answer: &Answer, finding: &Finding, lines: &mut Vec<Line>) {
     };
     let empty = String::new;
     let title = [what, empty(), empty(), empty(), worth(answer, finding)];
-    lines.push(Line::Cells(title));
+    lines.push(TableLine::Cells(title));
     let texts = |own: &&ParameterEstimate| own.text.is_none();
     for parameter in finding.parameters.iter().filter(texts) {
-        lines.push(Line::Cells(parameter_row(&finding.effect, parameter)));
+        lines.push(TableLine::Cells(parameter_row(&finding.effect, parameter)));
     }
-    let mut say = |text: String| lines.push(Line::Text(text));
+    let mut say = |text: String| lines.push(TableLine::Text(text));
     for parameter in &finding.parameters {
         if let Some(text) = &parameter.text {
             say(format!("{}: {text}", parameter.name));
@@ -72,7 +72,7 @@ fn rows(answer: &Answer, finding: &Finding, lines: &mut Vec<Line>) {
 }
 
 /// A parameter: its name, what the model says, what the recording says, and how sure.
-fn parameter_row(effect: &str, parameter: &ParameterEstimate) -> Cells {
+fn parameter_row(effect: &str, parameter: &ParameterEstimate) -> RowCells {
     let info = find(effect).and_then(|own| own.parameter(&parameter.name));
     let is_factor = info.is_some_and(|own| own.role == Role::Factor);
     let digits = parameter.ci95.map_or(3, digits);
@@ -144,10 +144,10 @@ fn when(finding: &Finding) -> String {
 }
 
 /// The lines with their cells below each other; text is indented.
-fn laid_out(lines: &[Line]) -> String {
+fn laid_out(lines: &[TableLine]) -> String {
     let cells = lines.iter().filter_map(|line| match line {
-        Line::Cells(cells) => Some(cells),
-        Line::Text(_) => None,
+        TableLine::Cells(cells) => Some(cells),
+        TableLine::Text(_) => None,
     });
     let mut widths = [0; 5];
     for row in cells {
@@ -158,8 +158,8 @@ fn laid_out(lines: &[Line]) -> String {
     let mut text = String::new();
     for line in lines {
         let row = match line {
-            Line::Text(own) => format!("    {own}"),
-            Line::Cells([what, was, is, interval, worth]) => {
+            TableLine::Text(own) => format!("    {own}"),
+            TableLine::Cells([what, was, is, interval, worth]) => {
                 let [a, b, c, d, _] = widths;
                 format!("{what:a$}  {was:>b$}  {is:>c$}  {interval:>d$}  {worth}")
             }

@@ -146,12 +146,12 @@ fn parts(
 }
 
 /// The smallest changes that would be seen, over time.
-struct Limits {
+struct SmallestChanges {
     onset_s: f64,
     looks: Vec<(f64, Vec<Smallest>)>,
 }
 
-impl Limits {
+impl SmallestChanges {
     fn of(all: &[Smallest], kind: &Kind) -> Option<f64> {
         let mut all = all.iter();
         let is_it = |own: &&Smallest| {
@@ -177,8 +177,8 @@ impl Limits {
 }
 
 /// What is said of a copy without a change, and what would be seen in it.
-fn unchanged(watch: &mut Watch, heard: &Recording, onset_s: f64) -> (Vec<Event>, Limits) {
-    let mut limits = Limits {
+fn unchanged(watch: &mut Watch, heard: &Recording, onset_s: f64) -> (Vec<Event>, SmallestChanges) {
+    let mut limits = SmallestChanges {
         onset_s,
         looks: Vec::new(),
     };

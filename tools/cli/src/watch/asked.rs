@@ -6,13 +6,13 @@ use slipstream_bus::InputError;
 use slipstream_diagnose::{Answer, Event, Question, Watch};
 
 /// What a diagnosis was asked, and what it said.
-type Answered = (Question, Result<Answer, InputError>);
+type Confirmation = (Question, Result<Answer, InputError>);
 
 /// One diagnosis at a time: on a thread of its own where rows go on; else at once, so that what is said depends on the rows
 /// alone.
 pub(super) struct Asked {
     is_live: bool,
-    waiting: Option<Receiver<Answered>>,
+    waiting: Option<Receiver<Confirmation>>,
 }
 
 impl Asked {

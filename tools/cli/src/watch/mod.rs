@@ -100,7 +100,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     } else {
         Some(learner.of_files(&arguments.against, &arguments.reading)?)
     };
-    let mut session = Session {
+    let mut session = WatchRun {
         asked: Asked::new(opened.is_live),
         source: opened.source,
         exits: arguments.exit_on == Some(ExitOn::Change),
@@ -116,7 +116,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
 }
 
 /// A watch on its way.
-struct Session<'a> {
+struct WatchRun<'a> {
     source: Box<dyn Source>,
     /// The watch, once there is a baseline.
     watch: Option<Watch>,
@@ -127,7 +127,7 @@ struct Session<'a> {
     exits: bool,
 }
 
-impl Session<'_> {
+impl WatchRun<'_> {
     fn run(&mut self) -> Result<Exit, Error> {
         let mut ended = false;
         loop {

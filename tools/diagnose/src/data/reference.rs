@@ -120,14 +120,14 @@ pub(crate) fn match_rates(
 }
 
 /// Rows with their stamps (s).
-type Rows<V> = [(f64, V)];
+type StampedRows<V> = [(f64, V)];
 
 /// The same for any rows; `filtered` makes of them what the filter reads.
 fn match_rows<V: Copy>(
     stamps: &Stamps,
     [first, second]: [&mut Thinned<(f64, V)>; 2],
     step_s: f64,
-    filtered: impl Fn(&Rows<V>) -> Vec<(f64, V)>,
+    filtered: impl Fn(&StampedRows<V>) -> Vec<(f64, V)>,
 ) -> bool {
     let kept = stamps.keep([&mut first.all, &mut second.all], |row| row.0);
     if kept {

@@ -84,7 +84,7 @@ impl Rows {
             self.pieces.push((block, 0));
             self.scores.iter_mut().for_each(|own| own.push(0.0));
         }
-        let derivatives = Derivatives::new(row);
+        let derivatives = RowDerivatives::new(row);
         let width = if row.scalar { 2 } else { WIDTH };
         for (lane, whitened) in self.whitened.iter_mut().enumerate() {
             let numbers = derivatives.whitened(lane, row.scalar);
@@ -145,7 +145,7 @@ pub(crate) fn empty(blocks: usize, parameters: usize) -> Vec<BlockScore> {
 }
 
 /// Derivatives of one row.
-struct Derivatives {
+struct RowDerivatives {
     score: SVector<f64, LANES>,
     difference: [SVector<f64, LANES>; 3],
     covariance: [[SVector<f64, LANES>; 3]; 3],
@@ -158,7 +158,7 @@ fn part(number: &Dual) -> SVector<f64, LANES> {
     number.eps.unwrap_generic(Const::<LANES>, Const::<1>)
 }
 
-impl Derivatives {
+impl RowDerivatives {
     fn new(row: &Innovation<Dual>) -> Self {
         let mut s = row.covariance.map(|line| line.map(|x| x.re));
         for (i, line) in s.iter_mut().enumerate() {

@@ -41,7 +41,7 @@ impl Share {
 }
 
 /// One row of both recordings.
-struct Pair {
+struct RowPair {
     weight: f64,
     /// Log-density over that of independent innovations (nats).
     gain: f64,
@@ -55,7 +55,7 @@ struct Pair {
     of_share: f64,
 }
 
-impl Pair {
+impl RowPair {
     fn new(a: &Whitened, b: &Whitened, share: f64) -> Self {
         let rho = (1.0 - share).max(0.0).sqrt();
         // a component that was not measured has no error in either
@@ -89,7 +89,7 @@ pub(crate) fn gains<'a>(
 ) -> impl Iterator<Item = (usize, f64)> + 'a {
     let rows = first.iter().zip(second);
     rows.map(move |(a, b)| {
-        let pair = Pair::new(a, b, share.value);
+        let pair = RowPair::new(a, b, share.value);
         (b.block, pair.weight * pair.gain)
     })
 }
@@ -109,16 +109,16 @@ pub(crate) fn add_to(
     place: Option<usize>,
 ) {
     let (mut from_a, mut from_b) = (0, 0);
-    let mut block: Option<Columns> = None;
+    let mut block: Option<WhitenedColumns> = None;
     for (a, b) in first.rows.kept.iter().zip(&second.rows.kept) {
-        let pair = Pair::new(a, b, share.value);
+        let pair = RowPair::new(a, b, share.value);
         let own = match block.take() {
             Some(own) if own.number == b.block => block.insert(own),
             done => {
                 if let Some(done) = done {
                     done.add_to(blocks);
                 }
-                block.insert(Columns::new(b.block))
+                block.insert(WhitenedColumns::new(b.block))
             }
         };
         let n = blocks.first().map_or(0, |own| own.gradient.len());
@@ -163,14 +163,14 @@ fn add(columns: &mut [f64], at: usize, n: usize, place: usize, row: [f64; 3], by
 
 /// Whitened derivatives of the rows of one block, column by column: of what differs, and of the second
 /// recording by itself.
-struct Columns {
+struct WhitenedColumns {
     number: usize,
     count: usize,
     apart: Vec<f64>,
     alone: Vec<f64>,
 }
 
-impl Columns {
+impl WhitenedColumns {
     fn new(number: usize) -> Self {
         Self {
             number,
@@ -217,15 +217,15 @@ mod tests {
     #[test]
     fn innovations_with_nothing_in_common_gain_nothing() {
         let (a, b) = (whitened([0.3, -1.0, 2.0]), whitened([1.0, 0.2, -0.4]));
-        assert!(Pair::new(&a, &b, 1.0).gain.abs() < 1e-12);
+        assert!(RowPair::new(&a, &b, 1.0).gain.abs() < 1e-12);
     }
 
     #[test]
     fn derivatives_are_those_of_differences() {
         let (u, v) = ([0.3, -1.0, 2.0], [0.5, -0.9, 1.2]);
         let share = 0.3;
-        let gain = |u, v, share| Pair::new(&whitened(u), &whitened(v), share).gain;
-        let pair = Pair::new(&whitened(u), &whitened(v), share);
+        let gain = |u, v, share| RowPair::new(&whitened(u), &whitened(v), share).gain;
+        let pair = RowPair::new(&whitened(u), &whitened(v), share);
         let h = 1e-6;
         for i in 0..3 {
             let moved = |mut x: [f64; 3], by: f64| {
@@ -244,6 +244,6 @@ mod tests {
     #[test]
     fn a_row_that_errs_by_itself_costs_a_bounded_amount() {
         let (a, b) = (whitened([0.1; 3]), whitened([40.0; 3]));
-        assert!((Pair::new(&a, &b, 0.01).gain - OUTLIER_PROBABILITY.ln()).abs() < 1e-9);
+        assert!((RowPair::new(&a, &b, 0.01).gain - OUTLIER_PROBABILITY.ln()).abs() < 1e-9);
     }
 }

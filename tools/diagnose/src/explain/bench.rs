@@ -35,7 +35,7 @@ const BUDGET_WINDOWS: usize = 40;
 const PLAYERS: usize = 10;
 
 /// Number of a run, and begin and end (s) of a window of it.
-type Window = (usize, [f64; 2]);
+type RunWindow = (usize, [f64; 2]);
 
 /// Claims of one effect, and the parameters of the machine that they explain.
 struct Player {
@@ -63,7 +63,7 @@ pub(super) struct Bench<'a> {
     /// Standard deviations of the sensors of each run.
     pub(super) deviations: Vec<[f64; QUANTITIES]>,
     /// Windows of all runs.
-    windows: Vec<Window>,
+    windows: Vec<RunWindow>,
 }
 
 /// The players of these claims, those that bring most first.
@@ -155,7 +155,7 @@ impl<'a> Bench<'a> {
 
     /// Windows of all runs. Where a few poses jump, no prediction runs over them: they count as outliers, which
     /// are told, and say nothing of the model.
-    fn cut(&self) -> Vec<Window> {
+    fn cut(&self) -> Vec<RunWindow> {
         let view = View {
             machine: self.machine(),
             robust: true,
@@ -206,7 +206,7 @@ impl<'a> Bench<'a> {
     }
 
     /// The machine as it is fitted without these windows.
-    fn fitted_without(&self, left_out: &[&Window]) -> Vec<f64> {
+    fn fitted_without(&self, left_out: &[&RunWindow]) -> Vec<f64> {
         let Fitted { streams, found } = self.own.fitted;
         let runs = &streams.reference.runs;
         let is_left_out = |robot: usize, t_s: f64| {
@@ -236,7 +236,7 @@ impl<'a> Bench<'a> {
     pub(super) fn worth(&self) -> Worth {
         let of_runs = self.windows.chunk_by(|(a, _), (b, _)| a == b);
         let windows = of_runs.flat_map(|own| at_most(own, BUDGET_WINDOWS));
-        let windows: Vec<Window> = windows.collect();
+        let windows: Vec<RunWindow> = windows.collect();
         let players = &self.players[..self.players.len().min(PLAYERS)];
         let fitted = &self.own.fitted;
         let fit = &fitted.found.selected.fit.at;

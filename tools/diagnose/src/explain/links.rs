@@ -53,13 +53,13 @@ impl Course {
 }
 
 /// What was sent from one robot to another.
-struct Link<'a> {
+struct SentMessages<'a> {
     course: &'a Course,
     /// When (s) and what.
     sent: Vec<(f64, [f64; 3])>,
 }
 
-impl Link<'_> {
+impl SentMessages<'_> {
     /// Residuals in deviations if the content is `delay_s` old.
     fn residuals(&self, delay_s: f64) -> Vec<f64> {
         let residual = |(t_s, pose): &(f64, [f64; 3])| {
@@ -147,7 +147,7 @@ pub(crate) fn add(
             if sent.len() < LEAST {
                 continue;
             }
-            let link = Link { course, sent };
+            let link = SentMessages { course, sent };
             let Some(late) = Late::new(&link, receiver, model) else {
                 continue;
             };
@@ -166,7 +166,7 @@ pub(crate) fn add(
 
 /// Messages that are older than they say.
 struct Late<'a> {
-    link: &'a Link<'a>,
+    link: &'a SentMessages<'a>,
     receiver: &'a str,
     /// What the receiver's model says (s).
     known: Option<f64>,
@@ -180,7 +180,7 @@ struct Late<'a> {
 
 impl<'a> Late<'a> {
     /// The delay that fits a link best, beside what the receiver's model says.
-    fn new(link: &'a Link<'a>, receiver: &'a str, model: &RobotModel) -> Option<Self> {
+    fn new(link: &'a SentMessages<'a>, receiver: &'a str, model: &RobotModel) -> Option<Self> {
         let known = model.number(EFFECT, "delay_s");
         let before = sum(&link.residuals(known.unwrap_or(0.0)));
         let starts = [known.unwrap_or(0.0), 0.03, 0.1, 0.25];

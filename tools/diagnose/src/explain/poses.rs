@@ -34,7 +34,7 @@ struct Relative {
 }
 
 /// The axle on its way from the start of a window.
-struct Walk<'a> {
+struct AxleWalk<'a> {
     wheels: &'a dyn Turned<f64>,
     hint: usize,
     carried: Carried<'a, f64>,
@@ -48,7 +48,7 @@ struct Walk<'a> {
     rates: [f64; 2],
 }
 
-impl Walk<'_> {
+impl AxleWalk<'_> {
     /// Goes on to a time (s), in arcs.
     fn to(&mut self, to_s: f64) {
         let pieces = ((to_s - self.now_s) / PIECE_S).ceil().max(1.0);
@@ -80,11 +80,11 @@ impl Walk<'_> {
 
 impl Piece<'_> {
     /// The walk through the window, whose clock began at `now_s`.
-    fn walk(&self, p: &[f64], now_s: f64) -> Walk<'_> {
+    fn walk(&self, p: &[f64], now_s: f64) -> AxleWalk<'_> {
         let machine = self.own.machine;
         let [radius_m, half_track_m] = [machine.wheel_radius_m, machine.half_track_m];
         let mut hint = 0;
-        Walk {
+        AxleWalk {
             wheels: self.wheels,
             angles: self.wheels.angles_at(now_s, &mut hint),
             hint,

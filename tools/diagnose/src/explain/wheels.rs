@@ -76,7 +76,7 @@ impl Piece<'_> {
 }
 
 /// A row of both wheels: its time (s), what was told less what was measured, and speeds (rad/s).
-type Row = (f64, [f64; 2], [f64; 2]);
+type WheelRow = (f64, [f64; 2], [f64; 2]);
 
 impl Predictor<'_> {
     /// Wheels of a window simulated from the commands; speeds as means over so long (s).
@@ -132,7 +132,7 @@ fn rests(
     drive: &DriveRun,
     [first, end]: [usize; 2],
     (response, over_s): (&Response<'_, f64>, f64),
-) -> Vec<Row> {
+) -> Vec<WheelRow> {
     let mut hint = 0;
     let row = drive.wheels.rows[first..end].iter().map(|row| {
         let now = response.averaged(row.time_s, over_s, &mut hint);

@@ -190,7 +190,7 @@ fn untested_statement(answer: &Answer, worst: Option<(&Predictions, Excess)>) ->
                 quantity: PLACE,
                 ratio: 1.0,
             };
-            let explained = Numbers::new(answer, machine, excess).explained("");
+            let explained = MachineNumbers::new(answer, machine, excess).explained("");
             format!("the findings below explain {explained}")
         }
         _ if answer.findings.is_empty() => "nothing was found that the model lacks".to_owned(),
@@ -202,7 +202,7 @@ fn untested_statement(answer: &Answer, worst: Option<(&Predictions, Excess)>) ->
 }
 
 fn statement(answer: &Answer, machine: &Predictions, excess: Excess, beside: bool) -> String {
-    let numbers = Numbers::new(answer, machine, excess);
+    let numbers = MachineNumbers::new(answer, machine, excess);
     let whose = if answer.robots().len() > 1 {
         format!(" of robot {}", machine.robot)
     } else {
@@ -211,7 +211,7 @@ fn statement(answer: &Answer, machine: &Predictions, excess: Excess, beside: boo
     if !answer.against.is_empty() {
         return changes(answer, &numbers, &whose);
     }
-    let Numbers { after, times, .. } = &numbers;
+    let MachineNumbers { after, times, .. } = &numbers;
     let explained = numbers.explained(&whose);
     match answer.verdict {
         Verdict::Match if excess.ratio <= WITHIN => {
@@ -235,11 +235,11 @@ fn statement(answer: &Answer, machine: &Predictions, excess: Excess, beside: boo
 fn unexplained(
     answer: &Answer,
     machine: &Predictions,
-    numbers: &Numbers,
+    numbers: &MachineNumbers,
     explained: &str,
     beside: bool,
 ) -> String {
-    let Numbers { after, limit, .. } = numbers;
+    let MachineNumbers { after, limit, .. } = numbers;
     let known = answer.findings.iter().any(|own| own.effect != "unknown");
     let mut text = match (known, beside) {
         (true, false) => format!(
@@ -274,9 +274,9 @@ fn unexplained(
 }
 
 /// What changed.
-fn changes(answer: &Answer, numbers: &Numbers, whose: &str) -> String {
+fn changes(answer: &Answer, numbers: &MachineNumbers, whose: &str) -> String {
     let before = answer.against.join(", ");
-    let Numbers { after, noise, .. } = numbers;
+    let MachineNumbers { after, noise, .. } = numbers;
     let known = answer.findings.iter().any(|own| own.effect != "unknown");
     match answer.verdict {
         Verdict::Match => {
@@ -298,7 +298,7 @@ fn changes(answer: &Answer, numbers: &Numbers, whose: &str) -> String {
 }
 
 /// What a sentence says of one machine: its position, else its heading, else what is furthest off.
-struct Numbers {
+struct MachineNumbers {
     before: String,
     after: String,
     noise: String,
@@ -309,7 +309,7 @@ struct Numbers {
     share: f64,
 }
 
-impl Numbers {
+impl MachineNumbers {
     fn new(answer: &Answer, machine: &Predictions, excess: Excess) -> Self {
         let own = |unit: &str| -> Option<&Budget> {
             let mut all = answer.budget.iter();

@@ -27,7 +27,7 @@ pub(crate) fn name(quantity: usize) -> &'static str {
 
 /// Sums over the rows of one quantity.
 #[derive(Debug, Clone, Copy, Default)]
-struct Sum {
+struct QuantitySums {
     /// Square errors in the quantity's unit.
     squares: f64,
     /// The same in square standard deviations of the sensor.
@@ -43,7 +43,7 @@ struct Sum {
 /// How far the wheels of a robot go, and how far off they are predicted: sums of squares over the poses (m²), or over
 /// the rows of the wheels (rad²) where there is none.
 #[derive(Debug, Clone, Copy, Default)]
-struct Way {
+struct WheelTravel {
     off_m2: f64,
     gone_m2: f64,
     /// What noise of the sensor alone would be off.
@@ -54,8 +54,8 @@ struct Way {
 /// What one or several windows score.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Score {
-    sums: [Sum; QUANTITIES],
-    way: Way,
+    sums: [QuantitySums; QUANTITIES],
+    way: WheelTravel,
     /// How far the start of a window is from what it was fitted to (standard deviations).
     start: f64,
 }
@@ -116,7 +116,7 @@ impl Score {
     /// The share of the way of the wheels by which a prediction misses; `None` without poses, and where no more than
     /// noise of the sensor is seen.
     pub(crate) fn missed_share(&self) -> Option<f64> {
-        let Way {
+        let WheelTravel {
             off_m2,
             gone_m2,
             sensor_m2,

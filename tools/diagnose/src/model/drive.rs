@@ -62,7 +62,7 @@ struct Behind<S> {
 
 /// One wheel from one command to the next.
 #[derive(Debug, Clone, Copy)]
-struct Piece<S> {
+struct CommandPiece<S> {
     /// What the lag follows at the start (rad/s), and its slope (rad/s²).
     level: S,
     slope: S,
@@ -78,7 +78,7 @@ pub(crate) struct Response<'a, S> {
     clock: S,
     lag: Lag<S>,
     slow: Option<(S, S)>,
-    pieces: Vec<Pair<Piece<S>>>,
+    pieces: Vec<Pair<CommandPiece<S>>>,
 }
 
 /// Angle (rad) and speed (rad/s) of both wheels.
@@ -194,7 +194,7 @@ impl<'a, S: Scalar> Response<'a, S> {
             (share, slow_s(p))
         });
         let first = commands.speeds_rad_s[0];
-        let mut pieces: Vec<Pair<Piece<S>>> = Vec::with_capacity(commands.times_s.len());
+        let mut pieces: Vec<Pair<CommandPiece<S>>> = Vec::with_capacity(commands.times_s.len());
         for (row, t_s) in commands.times_s.iter().enumerate() {
             let strength = (p[SAG] * *t_s - 1.0) * -1.0;
             let piece = |wheel: usize| {
@@ -203,7 +203,7 @@ impl<'a, S: Scalar> Response<'a, S> {
                 let before = match row.checked_sub(1) {
                     Some(last) => {
                         let h = S::constant(t_s - commands.times_s[last]);
-                        let own: &Piece<S> = &pieces[last][wheel];
+                        let own: &CommandPiece<S> = &pieces[last][wheel];
                         [
                             lag.after(own.fast, own.level, own.slope, h),
                             slow.map_or(own.slow, |(_, time_s)| {
@@ -217,7 +217,7 @@ impl<'a, S: Scalar> Response<'a, S> {
                         [Behind { speed, angle: zero }; 2]
                     }
                 };
-                Piece {
+                CommandPiece {
                     level: level * strength + p[PULL],
                     slope: level * p[SAG] * -1.0,
                     fast: before[0],

@@ -31,7 +31,7 @@ pub(crate) struct Streams<'a> {
 }
 
 /// One filter's likelihood, the range of what it reads, and the robot of each of its runs.
-struct Part<'a> {
+struct FilterPart<'a> {
     likelihood: Box<dyn Likelihood + 'a>,
     range: Range<usize>,
     robots: Vec<usize>,
@@ -39,7 +39,7 @@ struct Part<'a> {
     last: Mutex<(Vec<f64>, Vec<f64>)>,
 }
 
-impl Part<'_> {
+impl FilterPart<'_> {
     /// Log-likelihood of each block; what was asked last is known.
     fn value(&self, all: &[f64]) -> Vec<f64> {
         let own = &all[self.range.clone()];
@@ -126,17 +126,17 @@ impl<'a> Streams<'a> {
         levels
     }
 
-    fn parts(&self, [robust, robust_drive]: [bool; 2]) -> Vec<Part<'a>> {
+    fn parts(&self, [robust, robust_drive]: [bool; 2]) -> Vec<FilterPart<'a>> {
         let machine = self.reference;
         let middle = self.drive_first();
-        let mut parts = vec![Part {
+        let mut parts = vec![FilterPart {
             likelihood: Box::new(View { machine, robust }),
             range: 0..middle,
             robots: machine.runs.iter().map(|run| run.robot).collect(),
             last: Mutex::default(),
         }];
         if let Some(drive) = self.drive {
-            parts.push(Part {
+            parts.push(FilterPart {
                 likelihood: Box::new(DriveView {
                     drive,
                     robust: robust_drive,
@@ -166,7 +166,7 @@ pub(crate) const ROBUST: [bool; 2] = [true; 2];
 
 /// The likelihood of all streams.
 pub(crate) struct Joint<'a> {
-    parts: Vec<Part<'a>>,
+    parts: Vec<FilterPart<'a>>,
     /// What the filters read under the nominal model.
     nominal: &'a [f64],
     /// How each parameter moves it.
@@ -222,8 +222,8 @@ impl<'a> Joint<'a> {
 }
 
 /// The cluster of each block of all parts, where some err together.
-fn clusters(parts: &[Part<'_>]) -> Option<Vec<usize>> {
-    let err_together = |part: &Part<'_>| part.likelihood.clusters().is_some();
+fn clusters(parts: &[FilterPart<'_>]) -> Option<Vec<usize>> {
+    let err_together = |part: &FilterPart<'_>| part.likelihood.clusters().is_some();
     if !parts.iter().any(err_together) {
         return None;
     }
@@ -244,7 +244,7 @@ impl Likelihood for Joint<'_> {
     }
 
     fn run_of(&self) -> Vec<usize> {
-        let of = |part: &Part<'_>| -> Vec<usize> {
+        let of = |part: &FilterPart<'_>| -> Vec<usize> {
             let runs = part.likelihood.run_of().into_iter();
             runs.map(|run| part.robots[run]).collect()
         };

@@ -34,7 +34,7 @@ pub struct Prediction {
 }
 
 /// One window's prediction, and when (s) the part begins that its start was not fitted to.
-struct Piece {
+struct PredictedWindow {
     drawn: Drawn,
     from_s: f64,
 }
@@ -54,12 +54,12 @@ pub fn predict(request: &Request<'_>) -> Result<Vec<Prediction>, InputError> {
             let windows = cut(track, 0, WINDOW_S);
             let pieces = windows.par_iter().filter_map(|window| {
                 let (residuals, fitted_s) = predictor.predicted(simulated.as_ref()?, window)?;
-                Some(Piece {
+                Some(PredictedWindow {
                     drawn: Drawn::new(track, window, &residuals),
                     from_s: window.from_s + fitted_s,
                 })
             });
-            let pieces: Vec<Piece> = pieces.collect();
+            let pieces: Vec<PredictedWindow> = pieces.collect();
             predictions.push(Prediction::new(&recording.name, &robot.name, &pieces));
         }
     }
@@ -67,14 +67,14 @@ pub fn predict(request: &Request<'_>) -> Result<Vec<Prediction>, InputError> {
 }
 
 impl Prediction {
-    fn new(recording: &str, robot: &str, pieces: &[Piece]) -> Self {
-        let headings: Vec<Vec<Point>> = pieces.iter().map(Piece::heading).collect();
+    fn new(recording: &str, robot: &str, pieces: &[PredictedWindow]) -> Self {
+        let headings: Vec<Vec<Point>> = pieces.iter().map(PredictedWindow::heading).collect();
         let turns = headings.iter().flatten().map(|(_, error)| error * error);
-        let path = |of: fn(&Piece) -> Vec<Point>| joined(pieces.iter().map(of));
+        let path = |of: fn(&PredictedWindow) -> Vec<Point>| joined(pieces.iter().map(of));
         Self {
             recording: recording.to_owned(),
             robot: robot.to_owned(),
-            position_m: root_mean(pieces.iter().flat_map(Piece::squares_m2)),
+            position_m: root_mean(pieces.iter().flat_map(PredictedWindow::squares_m2)),
             heading_rad: root_mean(turns),
             seen: path(|own| own.drawn.path.iter().map(|place| place.seen).collect()),
             predicted: path(|own| {
@@ -102,7 +102,7 @@ fn root_mean(squares: impl Iterator<Item = f64>) -> Option<f64> {
     (count > 0.0).then(|| f64::sqrt(sum / count))
 }
 
-impl Piece {
+impl PredictedWindow {
     /// Errors of a channel behind the fitted part.
     fn errors(&self, channel: usize) -> impl Iterator<Item = Point> {
         let all = self.drawn.errors[channel].iter().copied();

@@ -44,7 +44,7 @@ pub(crate) struct Predictor {
 }
 
 /// A window that was predicted.
-struct Judged {
+struct JudgedWindow {
     /// Residuals (deviations) behind what the start was fitted to; NaN for that.
     residuals: Vec<f64>,
     /// How far the channel that is worst is from what the start was fitted to (deviations).
@@ -145,7 +145,7 @@ impl Predictor {
         all.map(|window| of(simulated.as_ref()?, window)).collect()
     }
 
-    fn score(&self, window: &Window, judged: &Judged) -> Score {
+    fn score(&self, window: &Window, judged: &JudgedWindow) -> Score {
         let mut score = Score::default();
         let mut start = judged.start;
         let track = &self.tracks[window.run];
@@ -196,7 +196,7 @@ impl Predictor {
         score
     }
 
-    fn judged(&self, simulated: &Simulated, window: &Window) -> Option<Judged> {
+    fn judged(&self, simulated: &Simulated, window: &Window) -> Option<JudgedWindow> {
         let (mut residuals, fitted_s) = self.predicted(simulated, window)?;
         let mut head = residuals.clone();
         for (residual, stamp_s) in head.iter_mut().zip(&window.stamps_s) {
@@ -216,7 +216,7 @@ impl Predictor {
                 *residual = asinh_expanded(*residual);
             }
         }
-        Some(Judged {
+        Some(JudgedWindow {
             residuals,
             start,
             fitted_s,

@@ -88,7 +88,7 @@ impl Simulation<'_> {
     /// Simulated minus measured from `start`, in standard deviations. NaN where nothing was measured or
     /// the window does not reach.
     pub(crate) fn residuals(&self, start: &[f64; LOCALS]) -> Vec<f64> {
-        let mut seen = Seen::new(self, [start[5], start[6]]);
+        let mut seen = PendingMeasurements::new(self, [start[5], start[6]]);
         let mut state = self.begin(start);
         let told = &self.track.commands;
         let robot = &self.own.robot;
@@ -144,7 +144,7 @@ impl Simulation<'_> {
 }
 
 /// The measurements that are still to come.
-struct Seen<'a> {
+struct PendingMeasurements<'a> {
     simulation: &'a Simulation<'a>,
     offset: [f64; 2],
     jumps: bool,
@@ -154,7 +154,7 @@ struct Seen<'a> {
     residuals: Vec<f64>,
 }
 
-impl<'a> Seen<'a> {
+impl<'a> PendingMeasurements<'a> {
     fn new(simulation: &'a Simulation<'a>, offset: [f64; 2]) -> Self {
         let window = simulation.window;
         let mut seen = Self {

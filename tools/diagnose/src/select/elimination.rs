@@ -12,7 +12,7 @@ use crate::estimate::scoring::{Fit, Problem, SHORT, SearchLimits};
 use crate::estimate::term::Term;
 
 /// What one round of the elimination did.
-enum Round {
+enum EliminationRound {
     /// A fit without a term was better than the one with it: that one was not finished.
     Better(Fit),
     /// A term went.
@@ -225,9 +225,9 @@ impl Elimination<'_> {
         let mut fit = fit;
         for _ in 0..MOST_ROUNDS {
             match self.round(&fit, &left, terms)? {
-                Round::Better(better) => fit = better,
-                Round::Removed(less, rest) => (fit, left) = (less, rest),
-                Round::Done(precision, kept) => {
+                EliminationRound::Better(better) => fit = better,
+                EliminationRound::Removed(less, rest) => (fit, left) = (less, rest),
+                EliminationRound::Done(precision, kept) => {
                     return Some(Selected {
                         fit,
                         precision,
@@ -313,7 +313,7 @@ impl Elimination<'_> {
     }
 
     /// Tries to remove each term, the weakest first.
-    fn round(&self, fit: &Fit, left: &[Term], terms: &[Term]) -> Option<Round> {
+    fn round(&self, fit: &Fit, left: &[Term], terms: &[Term]) -> Option<EliminationRound> {
         let (_, physics) = self.free(left);
         let precision = Precision::new(self.problem, fit, physics)?;
         let walds: Vec<f64> = left.iter().map(|t| self.wald(t, fit, &precision)).collect();
@@ -343,11 +343,11 @@ impl Elimination<'_> {
             if gain < -UNFINISHED_NATS {
                 let better = self.problem.fit(&less.at, &fit.free, self.effort.full);
                 if better.objective > fit.objective + UNFINISHED_NATS {
-                    return Some(Round::Better(better));
+                    return Some(EliminationRound::Better(better));
                 }
             }
             if gain / self.overdispersion(&term, fit, &precision) <= least {
-                return Some(Round::Removed(less, rest));
+                return Some(EliminationRound::Removed(less, rest));
             }
             if !self.needed(&term, gain, (walds[i], &precision), fit, &less) {
                 // terms that stand in for each other are not known either: what costs least goes first
@@ -365,13 +365,19 @@ impl Elimination<'_> {
             });
         }
         Some(match weakest {
-            Some((_, less, rest)) => Round::Removed(less, rest),
-            None => Round::Done(precision, kept),
+            Some((_, less, rest)) => EliminationRound::Removed(less, rest),
+            None => EliminationRound::Done(precision, kept),
         })
     }
 
     /// Removes all terms at once that are far from being needed, where that costs nothing.
-    fn idle(&self, fit: &Fit, left: &[Term], terms: &[Term], walds: &[f64]) -> Option<Round> {
+    fn idle(
+        &self,
+        fit: &Fit,
+        left: &[Term],
+        terms: &[Term],
+        walds: &[f64],
+    ) -> Option<EliminationRound> {
         let is_idle = |i: usize| {
             !left[i].is_decided_by_gain() && walds[i] < IDLE * left[i].parameters.len() as f64
         };
@@ -387,7 +393,7 @@ impl Elimination<'_> {
         let gone = parameters - rest.iter().map(|t| t.parameters.len()).sum::<usize>();
         let gain = fit.objective - less.objective;
         (gain.abs() < 0.5 * IDLE * gone as f64 + UNFINISHED_NATS)
-            .then_some(Round::Removed(less, rest))
+            .then_some(EliminationRound::Removed(less, rest))
     }
 
     /// Whether a term that gains enough passes: its Wald statistic, a gain without its best block, an

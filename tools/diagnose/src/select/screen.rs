@@ -46,7 +46,7 @@ impl Elimination<'_> {
             .iter()
             .filter(|term| !chosen.has(term.name) && term.search != Search::Located);
         let lacking: Vec<&Term> = lacking.collect();
-        let scores: Vec<Scores> = LOWERED
+        let scores: Vec<LackingScores> = LOWERED
             .par_iter()
             .filter_map(|lowered| self.scores(&chosen.fit, &lacking, *lowered))
             .collect();
@@ -171,7 +171,7 @@ impl Elimination<'_> {
     }
 
     /// Scores of everything that is fitted and that is lacking, with noise sizes lowered by so much.
-    fn scores(&self, fit: &Fit, lacking: &[&Term], lowered: f64) -> Option<Scores> {
+    fn scores(&self, fit: &Fit, lacking: &[&Term], lowered: f64) -> Option<LackingScores> {
         let at = self.with_noise(&fit.at, -lowered);
         let lost = fit.objective - self.problem.objective(&at, &fit.free);
         let mut indices = fit.free.clone();
@@ -193,7 +193,7 @@ impl Elimination<'_> {
         let mut information = own - across.transpose() * factor.solve(&across);
         self.problem
             .add_priors(&mut information, &at, &indices[count..]);
-        Some(Scores {
+        Some(LackingScores {
             lost,
             information,
             gradient: gradient.rows(count, indices.len() - count).into_owned(),
@@ -251,7 +251,7 @@ fn profiled(values: &[f64], of: &dyn Fn(f64) -> Start) -> Vec<Start> {
 }
 
 /// Score and information of what is lacking, beside what is fitted.
-struct Scores {
+struct LackingScores {
     /// By how much the fit is worse with lowered noise (nats).
     lost: f64,
     indices: Vec<usize>,
@@ -259,7 +259,7 @@ struct Scores {
     information: DMatrix<f64>,
 }
 
-impl Scores {
+impl LackingScores {
     /// What a term would gain were the likelihood quadratic (nats).
     fn promise(&self, term: &Term) -> f64 {
         let places = term.parameters.iter();

@@ -28,7 +28,7 @@ const SIZE: [f64; 3] = [0.1, 10.0, 2.0];
 const UNEVEN: f64 = 4.0;
 
 /// A number of an effect.
-struct Number {
+struct EffectNumber {
     name: &'static str,
     /// Its parameter among those of the table, and its change, or that of its logarithm, by a parameter of 1.
     index: usize,
@@ -36,7 +36,7 @@ struct Number {
     role: Role,
 }
 
-impl Number {
+impl EffectNumber {
     /// Variances of its parameter among recordings of one robot, among changes that happen, and at all.
     fn variances(&self) -> [f64; 3] {
         let own = match self.role {
@@ -116,7 +116,7 @@ pub(super) fn of(baseline: Baseline) -> Option<(Forces, Hypotheses)> {
     let all = hypothesis::all(&machine.model, &machine.tracks, &machine.excluded);
     let table = Table::new(&machine, &all, &[]);
     let terms = table.terms.iter().filter(|term| acts_at_once(term));
-    let terms: Vec<(&Term, Vec<Number>)> = terms
+    let terms: Vec<(&Term, Vec<EffectNumber>)> = terms
         .map(|term| (term, numbers(&table, term)))
         .filter(|(_, numbers)| !numbers.is_empty())
         .collect();
@@ -168,7 +168,7 @@ fn moved(table: &Table, index: usize) -> Vec<f64> {
 }
 
 /// The numbers that say how large an effect is.
-fn numbers(table: &Table, term: &Term) -> Vec<Number> {
+fn numbers(table: &Table, term: &Term) -> Vec<EffectNumber> {
     let Some(info) = term.shown.first().and_then(|shown| find(shown.effect)) else {
         return Vec::new();
     };
@@ -183,7 +183,7 @@ fn numbers(table: &Table, term: &Term) -> Vec<Number> {
         let weight = weights.get(before + place)?;
         let (_, slope) = weight.iter().find(|(other, _)| other == index)?;
         let role = info.parameter(name)?.role;
-        Some(Number {
+        Some(EffectNumber {
             name,
             index: *index,
             slope: if role == Role::Factor {
@@ -201,14 +201,14 @@ fn numbers(table: &Table, term: &Term) -> Vec<Number> {
 fn whole(
     table: &Table,
     term: &Term,
-    numbers: &[Number],
+    numbers: &[EffectNumber],
     (first, count): (usize, usize),
 ) -> Hypothesis {
     let mut directions = DMatrix::zeros(count, numbers.len());
     for k in 0..numbers.len() {
         directions[(first + k, k)] = 1.0;
     }
-    let of = |(k, number): (usize, &Number)| Shown {
+    let of = |(k, number): (usize, &EffectNumber)| Shown {
         name: number.name,
         link: if number.role == Role::Factor {
             Link::Log

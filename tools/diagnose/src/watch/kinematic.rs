@@ -27,13 +27,13 @@ const AHEAD_S: f64 = 0.012;
 
 /// A series of a filter on its way.
 #[derive(Clone)]
-struct Series<On> {
+struct FilterSeries<On> {
     on: Option<On>,
     source: usize,
     last_s: f64,
 }
 
-impl<On> Series<On> {
+impl<On> FilterSeries<On> {
     fn new(source: usize) -> Self {
         Self {
             on: None,
@@ -48,23 +48,27 @@ impl<On> Series<On> {
 }
 
 /// The series of these sources, where there are any.
-fn series<On>(sources: Option<Vec<usize>>) -> Vec<Series<On>> {
-    sources.into_iter().flatten().map(Series::new).collect()
+fn series<On>(sources: Option<Vec<usize>>) -> Vec<FilterSeries<On>> {
+    sources
+        .into_iter()
+        .flatten()
+        .map(FilterSeries::new)
+        .collect()
 }
 
 /// The filters of one robot on their way.
 pub(crate) struct Kinematic {
     learnt: Learnt,
-    poses: Vec<Series<wheels_to_pose::On<f64>>>,
-    rates: Vec<Series<gyro::On<f64>>>,
-    drive: Vec<Series<Channel>>,
+    poses: Vec<FilterSeries<wheels_to_pose::On<f64>>>,
+    rates: Vec<FilterSeries<gyro::On<f64>>>,
+    drive: Vec<FilterSeries<DriveChannel>>,
     evidence: Evidence,
     heard: [usize; 2],
 }
 
 /// A channel of the drive on its way, and how far its wheels were simulated to turn (rad).
 #[derive(Clone)]
-struct Channel {
+struct DriveChannel {
     on: wheel_channel::On<f64>,
     simulated: f64,
 }
@@ -111,9 +115,9 @@ impl Kinematic {
 
     /// Forgets where the robot is.
     pub(crate) fn restart(&mut self) {
-        self.poses.iter_mut().for_each(Series::restart);
-        self.rates.iter_mut().for_each(Series::restart);
-        self.drive.iter_mut().for_each(Series::restart);
+        self.poses.iter_mut().for_each(FilterSeries::restart);
+        self.rates.iter_mut().for_each(FilterSeries::restart);
+        self.drive.iter_mut().for_each(FilterSeries::restart);
         self.evidence = Evidence::default();
         self.heard = [0; 2];
     }
@@ -130,7 +134,7 @@ impl Kinematic {
                 .map(|own| Response::new(&feed.commands, own))
                 .collect();
             let places = drive.places.clone();
-            let wheels = Wheels {
+            let wheels = TurningWheels {
                 base: &base,
                 after: after.iter().map(|own| own as &dyn Turned<f64>).collect(),
                 places: &places,
@@ -139,7 +143,7 @@ impl Kinematic {
             self.references(&mut feed.poses, &mut feed.rates, &wheels, bank);
         } else if feed.wheels.times_s.len() > 1 {
             let last_s = feed.wheels.times_s.last().copied();
-            let wheels = Wheels {
+            let wheels = TurningWheels {
                 base: &feed.wheels,
                 after: Vec::new(),
                 places: &[],
@@ -154,7 +158,7 @@ impl Kinematic {
         &mut self,
         poses: &mut VecDeque<PoseRow>,
         rates: &mut VecDeque<(f64, f64)>,
-        wheels: &Wheels<'_>,
+        wheels: &TurningWheels<'_>,
         bank: &mut Bank,
     ) {
         while let Some(row) = poses.front()
@@ -173,7 +177,7 @@ impl Kinematic {
 }
 
 /// The wheels as they turn, and as they would after a change of parameters of the drive, where they follow commands.
-struct Wheels<'a> {
+struct TurningWheels<'a> {
     base: &'a dyn Turned<f64>,
     after: Vec<&'a dyn Turned<f64>>,
     /// Which of all parameters were changed.
@@ -181,7 +185,7 @@ struct Wheels<'a> {
     until_s: f64,
 }
 
-impl<'a> Wheels<'a> {
+impl<'a> TurningWheels<'a> {
     /// After a change of one of all parameters.
     fn after(&self, place: Option<usize>) -> &'a dyn Turned<f64> {
         let number = place.and_then(|place| self.places.iter().position(|own| *own == place));
@@ -208,7 +212,7 @@ impl<P> Moved<P> {
 }
 
 impl Kinematic {
-    fn hear_pose(&mut self, row: &PoseRow, wheels: &Wheels<'_>, bank: &mut Bank) {
+    fn hear_pose(&mut self, row: &PoseRow, wheels: &TurningWheels<'_>, bank: &mut Bank) {
         let Some(own) = &self.learnt.poses else {
             return;
         };
@@ -256,7 +260,7 @@ impl Kinematic {
         bank.hear(series.source, &row, 1.0 / count);
     }
 
-    fn hear_rate(&mut self, row: &(f64, f64), wheels: &Wheels<'_>, bank: &mut Bank) {
+    fn hear_rate(&mut self, row: &(f64, f64), wheels: &TurningWheels<'_>, bank: &mut Bank) {
         let Some(own) = &self.learnt.rates else {
             return;
         };
@@ -310,10 +314,10 @@ impl Kinematic {
             return;
         }
         let own = &driven.parameters;
-        let base = Simulated::new(&feed.commands, &own.base);
+        let base = SimulatedWheels::new(&feed.commands, &own.base);
         let after = own.after.iter();
-        let after: Vec<Simulated<'_>> = after
-            .map(|own| Simulated::new(&feed.commands, own))
+        let after: Vec<SimulatedWheels<'_>> = after
+            .map(|own| SimulatedWheels::new(&feed.commands, own))
             .collect();
         while let Some((t_s, value)) = feed.rows.pop_front() {
             let told = feed.commands.at(t_s).unwrap_or([0.0; 2]);
@@ -326,7 +330,7 @@ impl Kinematic {
             let others: Vec<(Turning<f64>, Turning<f64>)> = others.collect();
             for (channel, series) in self.drive.iter_mut().enumerate() {
                 series.last_s = t_s;
-                let row = Row {
+                let row = DriveRow {
                     t_s,
                     value,
                     channel,
@@ -342,12 +346,12 @@ impl Kinematic {
 }
 
 /// Wheels as a drive turns them.
-struct Simulated<'a> {
+struct SimulatedWheels<'a> {
     response: Response<'a, f64>,
     mean_s: f64,
 }
 
-impl<'a> Simulated<'a> {
+impl<'a> SimulatedWheels<'a> {
     fn new(commands: &'a CommandPath, parameters: &[f64]) -> Self {
         Self {
             response: Response::new(commands, parameters),
@@ -363,7 +367,7 @@ impl<'a> Simulated<'a> {
 }
 
 /// A row of the wheels beside what the drive was simulated to do.
-struct Row<'a> {
+struct DriveRow<'a> {
     t_s: f64,
     value: [f64; 2],
     channel: usize,
@@ -374,7 +378,7 @@ struct Row<'a> {
     others: &'a [(Turning<f64>, Turning<f64>)],
 }
 
-impl Row<'_> {
+impl DriveRow<'_> {
     fn noise(&self) -> &ChannelNoise<f64> {
         &self.driven.noise[self.channel]
     }
@@ -405,7 +409,7 @@ impl Row<'_> {
         (row, simulated)
     }
 
-    fn hear(&self, series: &mut Series<Channel>, lost: bool, bank: &mut Bank) {
+    fn hear(&self, series: &mut FilterSeries<DriveChannel>, lost: bool, bank: &mut Bank) {
         let Some(before) = series.on.clone().filter(|_| !lost) else {
             let (row, simulated) = self.of(&self.at, 0.0);
             let mut on = None;
@@ -413,7 +417,7 @@ impl Row<'_> {
                 self.noise().hear_speed(&mut on, &row);
             }
             let on = on.unwrap_or_else(|| self.noise().begin(&row));
-            series.on = Some(Channel { on, simulated });
+            series.on = Some(DriveChannel { on, simulated });
             bank.lose(series.source);
             return;
         };

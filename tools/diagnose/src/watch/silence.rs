@@ -17,7 +17,7 @@ pub(super) fn most_s(usual_s: f64, longest_s: f64) -> f64 {
 pub(super) type Words = (&'static str, String, &'static str);
 
 /// A stream that is listened for.
-struct Stream {
+struct ListenedStream {
     name: &'static str,
     times_s: fn(&Robot) -> Option<&[f64]>,
     /// How long it may be silent (s).
@@ -27,12 +27,12 @@ struct Stream {
 }
 
 /// All streams of a robot that go on in its baseline.
-pub(super) struct Silence(Vec<Stream>);
+pub(super) struct Silence(Vec<ListenedStream>);
 
 /// A stream's name and its stamps.
-type Named = (&'static str, fn(&Robot) -> Option<&[f64]>);
+type NamedStamps = (&'static str, fn(&Robot) -> Option<&[f64]>);
 
-const STREAMS: [Named; 4] = [
+const STREAMS: [NamedStamps; 4] = [
     ("wheels", |own| Some(&own.wheels.as_ref()?.t_s)),
     ("odometry", |own| Some(&own.odometry.as_ref()?.t_s)),
     ("pose", |own| Some(&own.pose.as_ref()?.t_s)),
@@ -44,12 +44,12 @@ impl Silence {
     ///
     /// `rests`: wheels have rows only while they turn.
     pub(super) fn new<'a>(runs: impl Iterator<Item = &'a Robot> + Clone, rests: bool) -> Self {
-        let of = |(name, times_s): Named| {
+        let of = |(name, times_s): NamedStamps| {
             let all = runs.clone().filter_map(times_s).filter(|own| own.len() > 1);
             let usual_s = all.clone().map(median_interval).reduce(f64::max)?;
             let gaps = all.flat_map(|own| own.windows(2).map(|pair| pair[1] - pair[0]));
             let longest_s = gaps.fold(0.0, f64::max);
-            Some(Stream {
+            Some(ListenedStream {
                 name,
                 times_s,
                 most_s: most_s(usual_s, longest_s),

@@ -11,7 +11,7 @@ use super::key_tree::KeyTree;
 use super::request::Origin;
 
 /// Models of robots: of all (`None`), or of the named one.
-type Models = Vec<(Option<String>, PathBuf)>;
+type LabModels = Vec<(Option<String>, PathBuf)>;
 
 /// Sets the keys that the lab decides. Arguments come after it, and may set them again.
 pub(super) fn set_keys(lab: &Lab, tree: &mut KeyTree) -> Result<(), InputError> {
@@ -47,7 +47,7 @@ pub(super) fn set_keys(lab: &Lab, tree: &mut KeyTree) -> Result<(), InputError> 
 }
 
 /// The models of the lab's robots, but for those that are given by arguments.
-pub(super) fn models(lab: &Lab, given: &Models) -> Models {
+pub(super) fn models(lab: &Lab, given: &LabModels) -> LabModels {
     let is_given = |name: &str| {
         let own = |other: &Option<String>| other.as_deref().is_none_or(|other| other == name);
         given.iter().any(|(other, _)| own(other))

@@ -60,7 +60,7 @@ impl Bridge {
         let path = PathBuf::from(address);
         let background = Background::start(address, move |outlet| {
             let sink = |followed| outlet.followed(followed);
-            let mut link = Link {
+            let mut link = BridgeLink {
                 host,
                 port,
                 outlet,
@@ -89,7 +89,7 @@ impl Source for Bridge {
 }
 
 /// The way to a server, over several connections.
-struct Link<'a> {
+struct BridgeLink<'a> {
     host: String,
     port: u16,
     outlet: &'a Outlet,
@@ -116,7 +116,7 @@ struct Subscriptions {
     next: u32,
 }
 
-impl Link<'_> {
+impl BridgeLink<'_> {
     fn run(&mut self, first: Connection) {
         let mut connection = Some(first);
         while !self.is_over() {

@@ -25,7 +25,7 @@ const MOST_BYTES: usize = 16 << 20;
 
 /// A connection.
 pub(super) struct Connection {
-    socket: WebSocket<Wire>,
+    socket: WebSocket<DeadlineStream>,
     /// When the server was heard last, and whether it was asked for a word since.
     heard: Instant,
     was_asked: bool,
@@ -65,7 +65,7 @@ impl Connection {
     /// Why there is no connection, in words that continue the address.
     pub(super) fn open(host: &str, port: u16) -> Result<Self, String> {
         let stream = stream(host, port).map_err(|e| format!("cannot be connected to: {e}"))?;
-        let wire = Wire {
+        let wire = DeadlineStream {
             stream,
             until: Some(Instant::now() + ANSWER_WITHIN),
         };
@@ -178,12 +178,12 @@ fn lost(error: &Error) -> String {
 }
 
 /// A stream whose reads wait until a time, if there is one.
-struct Wire {
+struct DeadlineStream {
     stream: TcpStream,
     until: Option<Instant>,
 }
 
-impl Read for Wire {
+impl Read for DeadlineStream {
     fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
         loop {
             if self.until.is_some_and(|until| Instant::now() > until) {
@@ -203,7 +203,7 @@ fn is_wait(error: &io::Error) -> bool {
     matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut)
 }
 
-impl Write for Wire {
+impl Write for DeadlineStream {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.stream.write(bytes)
     }

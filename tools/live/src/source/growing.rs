@@ -65,7 +65,7 @@ impl Growing {
         let background = Background::start(&name, move |outlet| {
             let sink = |followed| outlet.followed(followed);
             let follower = RefCell::new(Follower::new(&whole, map, wheels, sink));
-            let bag = Bag {
+            let bag = BagFiles {
                 folder,
                 outlet,
                 follower: &follower,
@@ -120,14 +120,14 @@ fn ends_like_mcap(path: &Path) -> bool {
 }
 
 /// The files of a bag.
-struct Bag<'a, 'b> {
+struct BagFiles<'a, 'b> {
     /// Where the next file is, if there may be one.
     folder: Option<PathBuf>,
     outlet: &'a Outlet,
     follower: &'a RefCell<Follower<'b>>,
 }
 
-impl Bag<'_, '_> {
+impl BagFiles<'_, '_> {
     /// Reads one file after the other.
     fn follow(&self, first: PathBuf) -> Result<(), InputError> {
         let mut next = Some(first);

@@ -49,7 +49,7 @@ impl Assignment {
     }
 
     /// Sum and difference of the wheels.
-    fn parts(self, row: &Row) -> [f64; 2] {
+    fn parts(self, row: &WindowRow) -> [f64; 2] {
         let [right, left] = if self.swapped {
             [row.left, row.right]
         } else {
@@ -66,7 +66,7 @@ impl Assignment {
 
 /// A window: both wheels (rad/s or counts/s), forward speed (m/s) and yaw rate (rad/s).
 #[derive(Debug, Clone, Copy)]
-struct Row {
+struct WindowRow {
     right: f64,
     left: f64,
     v: f64,
@@ -75,7 +75,7 @@ struct Row {
 
 /// The windows of a machine in which wheels and a reference are known.
 pub(super) struct Regression {
-    rows: Vec<Row>,
+    rows: Vec<WindowRow>,
     /// Weights of the squares of both channels.
     weights: [f64; 2],
     tracks_m: [f64; 2],
@@ -91,14 +91,14 @@ impl Regression {
     ) -> Option<Self> {
         let wheels = right.iter().zip(left);
         let all = wheels.zip(v.iter().zip(w));
-        let all = all.map(|((&right, &left), (&v, &w))| Row { right, left, v, w });
-        let known = |row: &Row| {
+        let all = all.map(|((&right, &left), (&v, &w))| WindowRow { right, left, v, w });
+        let known = |row: &WindowRow| {
             [row.right, row.left, row.v, row.w]
                 .iter()
                 .all(|x| x.is_finite())
         };
-        let rows: Vec<Row> = all.filter(known).collect();
-        let sum = |of: fn(&Row) -> f64| rows.iter().map(of).sum::<f64>();
+        let rows: Vec<WindowRow> = all.filter(known).collect();
+        let sum = |of: fn(&WindowRow) -> f64| rows.iter().map(of).sum::<f64>();
         let (driven, turned) = (sum(|row| row.v * row.v), sum(|row| row.w * row.w));
         let arm_m = half_track_m.unwrap_or((ANY_TRACK_M[0] * ANY_TRACK_M[1]).sqrt());
         let least = LEAST_SHARE * LEAST_SHARE;
@@ -133,7 +133,7 @@ impl Regression {
     }
 
     /// Best positive factors of an assignment, and the share of squares that they leave.
-    fn fitted(&self, own: Assignment) -> Fit {
+    fn fitted(&self, own: Assignment) -> AssignmentFit {
         let [mut ss, mut vs, mut dd, mut wd, mut total] = [0.0; 5];
         let [of_v, of_w] = self.weights;
         for row in &self.rows {
@@ -164,7 +164,7 @@ impl Regression {
         } else {
             bounds[1]
         };
-        Fit {
+        AssignmentFit {
             factors,
             left: left(factors) / total,
         }
@@ -173,7 +173,7 @@ impl Regression {
     /// Whether nearly all pieces of time that move say so by themselves.
     fn agree(&self, best: (Assignment, [f64; 2]), given: [f64; 2]) -> bool {
         let length = self.rows.len().div_ceil(PIECES);
-        let squares = |rows: &[Row], (own, factors): (Assignment, [f64; 2])| {
+        let squares = |rows: &[WindowRow], (own, factors): (Assignment, [f64; 2])| {
             let each = rows.iter().map(|row| {
                 let [s, d] = own.parts(row);
                 let [v, w] = [row.v - factors[0] * s, row.w - factors[1] * d];
@@ -184,7 +184,7 @@ impl Regression {
         let still = (Assignment::GIVEN, [0.0; 2]);
         let total = squares(&self.rows, still);
         let pieces = self.rows.chunks(length);
-        let moving: Vec<&[Row]> = pieces
+        let moving: Vec<&[WindowRow]> = pieces
             .filter(|piece| squares(piece, still) > LEAST_PIECE * total)
             .collect();
         let given = (Assignment::GIVEN, given);
@@ -197,7 +197,7 @@ impl Regression {
 
 /// Factors of an assignment, and the share of the motion that it leaves.
 #[derive(Debug, Clone, Copy)]
-struct Fit {
+struct AssignmentFit {
     factors: [f64; 2],
     left: f64,
 }

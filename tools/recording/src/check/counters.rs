@@ -14,7 +14,7 @@ pub(crate) fn of_wheels(robot: &str, wheels: &WheelFaults) -> Vec<Finding> {
     let [right, left] = wheels.names;
     let of_side = |fault| {
         let counts = wheels.counts;
-        Column { counts, fault }.all()
+        CounterColumn { counts, fault }.all()
     };
     let mut findings = Vec::new();
     let lefts = of_side(&wheels.faults[1]);
@@ -23,7 +23,8 @@ pub(crate) fn of_wheels(robot: &str, wheels: &WheelFaults) -> Vec<Finding> {
         let told = match (of_right, of_left) {
             (Some(told), Some(other)) if told == other => vec![(both, told)],
             (of_right, of_left) => {
-                let named = |name: &str, told: Option<Told>| Some((name.to_owned(), told?));
+                let named =
+                    |name: &str, told: Option<CounterFinding>| Some((name.to_owned(), told?));
                 [named(right, of_right), named(left, of_left)]
                     .into_iter()
                     .flatten()
@@ -39,7 +40,7 @@ pub(crate) fn of_wheels(robot: &str, wheels: &WheelFaults) -> Vec<Finding> {
 }
 
 /// Severity, id, statement and remedy of a finding.
-type Told = (Severity, &'static str, String, &'static str);
+type CounterFinding = (Severity, &'static str, String, &'static str);
 
 /// Notes about rows that arrive in bursts.
 pub(crate) fn of_bursts(robot: &RobotRows<'_>) -> Vec<Finding> {
@@ -103,14 +104,14 @@ pub(super) fn of_pose_jumps(robot: &RobotRows<'_>, jumps: &[PoseJump]) -> Option
 }
 
 /// One wheel's column.
-struct Column<'a> {
+struct CounterColumn<'a> {
     counts: bool,
     fault: &'a Fault,
 }
 
-impl Column<'_> {
+impl CounterColumn<'_> {
     /// What is said of it, kind by kind.
-    fn all(&self) -> [Option<Told>; 6] {
+    fn all(&self) -> [Option<CounterFinding>; 6] {
         [
             self.wraps(),
             self.unclear(),
@@ -130,7 +131,7 @@ impl Column<'_> {
         }
     }
 
-    fn wraps(&self) -> Option<Told> {
+    fn wraps(&self) -> Option<CounterFinding> {
         let modulus = self.fault.modulus.filter(|_| !self.fault.is_too_fast)?;
         let statement = format!(
             "the values wrap by {} {}; the diagnosis undoes it",
@@ -145,7 +146,7 @@ impl Column<'_> {
         Some((Severity::Note, id, statement, remedy))
     }
 
-    fn unclear(&self) -> Option<Told> {
+    fn unclear(&self) -> Option<CounterFinding> {
         let modulus = self.fault.modulus?;
         let remedy = "log more often, or a counter that does not wrap";
         if self.fault.is_too_fast {
@@ -168,7 +169,7 @@ impl Column<'_> {
         Some((Severity::Warning, "wraps_unclear", statement, remedy))
     }
 
-    fn glitches(&self) -> Option<Told> {
+    fn glitches(&self) -> Option<CounterFinding> {
         let times_s: Vec<f64> = self.fault.glitches.iter().map(|(_, t_s)| *t_s).collect();
         (!times_s.is_empty()).then(|| {
             let statement = format!(
@@ -183,7 +184,7 @@ impl Column<'_> {
     }
 
     /// Jumps to zero, or the others.
-    fn jumps(&self, to_zero: bool) -> Option<Told> {
+    fn jumps(&self, to_zero: bool) -> Option<CounterFinding> {
         let jumps = self.fault.jumps.iter();
         let jumps: Vec<&Jump> = jumps.filter(|jump| jump.to_zero == to_zero).collect();
         let times_s: Vec<f64> = jumps.iter().map(|jump| jump.between_s[1]).collect();
@@ -204,7 +205,7 @@ impl Column<'_> {
         Some((Severity::Warning, id, statement, remedy))
     }
 
-    fn no_counter(&self) -> Option<Told> {
+    fn no_counter(&self) -> Option<CounterFinding> {
         self.fault.is_no_counter.then(|| {
             let statement = "the values jump too often for a running counter".to_owned();
             let remedy = "look whether the column is what its name says";

@@ -30,7 +30,7 @@ pub(crate) struct Seen {
 }
 
 /// Speed and turn rate by another source, and the factors from there to sum and difference of the wheels.
-struct Reference<'a> {
+struct SpeedReference<'a> {
     name: &'static str,
     speeds: [&'a [f64]; 2],
     /// Sum and difference (rad/s) for one of it; `None` where the size of the robot is not known.
@@ -45,7 +45,7 @@ pub(crate) fn seen(windows: &Windows, faults: &WheelFaults, interval_s: f64) -> 
         combine(command[0], command[1], |r, l| r - l),
     ];
     let size = windows.size_m.map(|[r, b]| [2.0 / r, 2.0 * b / r]);
-    let of_body = |name, v, w| Reference {
+    let of_body = |name, v, w| SpeedReference {
         name,
         speeds: [v, w],
         wheels: size,
@@ -53,7 +53,7 @@ pub(crate) fn seen(windows: &Windows, faults: &WheelFaults, interval_s: f64) -> 
     let references = [
         of_body("pose", &windows.pose_v, &windows.pose_w),
         of_body("command", &windows.command_v, &windows.command_w),
-        Reference {
+        SpeedReference {
             name: "command",
             speeds: [&told[0], &told[1]],
             wheels: Some([1.0; 2]),
@@ -72,7 +72,12 @@ pub(crate) fn seen(windows: &Windows, faults: &WheelFaults, interval_s: f64) -> 
     })
 }
 
-fn by(windows: &Windows, reference: &Reference<'_>, counts: bool, interval_s: f64) -> Option<Seen> {
+fn by(
+    windows: &Windows,
+    reference: &SpeedReference<'_>,
+    counts: bool,
+    interval_s: f64,
+) -> Option<Seen> {
     let [right, left] = &windows.levels;
     let sums = |right: &[f64], left: &[f64]| {
         let sum = combine(right, left, |r, l| r + l);

@@ -12,7 +12,7 @@ pub(super) struct OfRun {
 }
 
 /// One machine: its first run, and the windows of all.
-struct Machine<'a> {
+struct MachineWindows<'a> {
     /// The robot, and the recording of the first run; `None` where all robots of a recording are one machine.
     of: Option<&'a str>,
     recording: usize,
@@ -23,7 +23,7 @@ struct Machine<'a> {
 /// All machines, and what is said of them behind what the wheels alone tell.
 #[derive(Default)]
 pub(super) struct Machines<'a> {
-    all: Vec<Machine<'a>>,
+    all: Vec<MachineWindows<'a>>,
     /// What torques tell, with the number of its recording.
     of_torques: Vec<(usize, Finding)>,
 }
@@ -42,7 +42,7 @@ impl<'a> Machines<'a> {
         self.of_torques.extend(of_torques);
         match self.all.iter_mut().find(|machine| machine.of == of) {
             Some(machine) => machine.windows.append(windows),
-            None => self.all.push(Machine {
+            None => self.all.push(MachineWindows {
                 of,
                 recording: number,
                 robot,

@@ -143,7 +143,7 @@ pub(super) fn windows<const N: usize>(
     lengths_s: [f64; N],
     faults: Option<&WheelFaults>,
 ) -> [Windows; N] {
-    let grids = lengths_s.map(|length_s| Grid::new(span(robot), length_s));
+    let grids = lengths_s.map(|length_s| WindowGrid::new(span(robot), length_s));
     let mut windows = lengths_s.map(|_| Windows {
         size_m: model.map(|model| [model.robot.wheel_radius_m, model.robot.half_track_m]),
         start_s: span(robot).map_or(0.0, |[start, _]| start),
@@ -185,13 +185,13 @@ pub(super) fn span(robot: &RobotRows<'_>) -> Option<[f64; 2]> {
 }
 
 /// The times of windows of one length (s).
-struct Grid {
+struct WindowGrid {
     /// Over the whole recording, but at most [`MAX_WINDOWS`] windows.
     edges: Vec<f64>,
     middles: Vec<f64>,
 }
 
-impl Grid {
+impl WindowGrid {
     fn new(span: Option<[f64; 2]>, window_s: f64) -> Self {
         let edges: Vec<f64> = match span.filter(|[start, end]| end > start) {
             Some([start, end]) => {
@@ -212,7 +212,7 @@ impl Grid {
 fn means<const C: usize, const N: usize>(
     rows: &Rows<'_>,
     columns: [&str; C],
-    grids: &[Grid; N],
+    grids: &[WindowGrid; N],
 ) -> [[Vec<f64>; C]; N] {
     let mut all = grids
         .each_ref()
@@ -228,7 +228,7 @@ fn means<const C: usize, const N: usize>(
 
 /// What the wheels' columns of angles or counts show over the windows of a grid.
 struct WheelsAt<'a> {
-    grid: &'a Grid,
+    grid: &'a WindowGrid,
     at_edges: [Interpolation<'a>; 2],
     levels: [Means<'a>; 2],
 }
@@ -238,7 +238,7 @@ fn add_angles<const N: usize>(
     rows: &Rows<'_>,
     faults: &WheelFaults,
     per_count: f64,
-    grids: &[Grid; N],
+    grids: &[WindowGrid; N],
     windows: &mut [Windows; N],
 ) {
     let mut all = grids.each_ref().map(|grid| WheelsAt {
@@ -282,14 +282,14 @@ fn numbers<'a>(block: &'a Table, column: &str) -> Cow<'a, [f64]> {
 
 /// A pose, resampled to one grid.
 struct PoseAt<'a> {
-    grid: &'a Grid,
+    grid: &'a WindowGrid,
     x: Interpolation<'a>,
     y: Interpolation<'a>,
     /// Without jumps of whole turns, at the edges and in the middle of the windows.
     yaw: [Interpolation<'a>; 2],
 }
 
-fn add_pose<const N: usize>(pose: &Rows<'_>, grids: &[Grid; N], windows: &mut [Windows; N]) {
+fn add_pose<const N: usize>(pose: &Rows<'_>, grids: &[WindowGrid; N], windows: &mut [Windows; N]) {
     if !pose.has("yaw_rad") {
         return;
     }
@@ -378,7 +378,7 @@ fn add_wheels<const N: usize>(
     wheels: &Rows<'_>,
     counts_per_rev: Option<f64>,
     faults: Option<&WheelFaults>,
-    grids: &[Grid; N],
+    grids: &[WindowGrid; N],
     windows: &mut [Windows; N],
 ) {
     let rad_per_count = counts_per_rev.map(|counts| TAU / counts);
@@ -398,7 +398,11 @@ fn add_wheels<const N: usize>(
     add_angles(wheels, faults, per_count, grids, windows);
 }
 
-fn add_command<const N: usize>(command: &Rows<'_>, grids: &[Grid; N], windows: &mut [Windows; N]) {
+fn add_command<const N: usize>(
+    command: &Rows<'_>,
+    grids: &[WindowGrid; N],
+    windows: &mut [Windows; N],
+) {
     let [(first, _), (second, _)] = command.empty().columns.as_slice() else {
         return;
     };

@@ -4,14 +4,14 @@
 const MAX_GAP_S: f64 = 1.0;
 
 /// A time (s) and the value there.
-type Sample = (f64, f64);
+type TimedValue = (f64, f64);
 
 /// Linear interpolation at ascending times; NaN outside the column and in gaps of more than a second.
 pub(super) struct Interpolation<'a> {
     at_s: &'a [f64],
     values: Vec<f64>,
     /// The last row of the blocks so far.
-    last: Option<Sample>,
+    last: Option<TimedValue>,
 }
 
 impl<'a> Interpolation<'a> {
@@ -46,7 +46,7 @@ impl<'a> Interpolation<'a> {
 }
 
 /// The value at `t_s`, which is later than `before` and not later than `next`.
-fn interpolate(before: Option<Sample>, next: Sample, t_s: f64) -> f64 {
+fn interpolate(before: Option<TimedValue>, next: TimedValue, t_s: f64) -> f64 {
     let (t_b, b) = next;
     if t_b == t_s {
         return b;
@@ -76,9 +76,9 @@ pub(super) struct Means<'a> {
     sum: f64,
     count: usize,
     /// The last row before the current window.
-    before: Option<Sample>,
+    before: Option<TimedValue>,
     /// The last row of the blocks so far.
-    last: Option<Sample>,
+    last: Option<TimedValue>,
 }
 
 impl<'a> Means<'a> {

@@ -20,7 +20,7 @@ const MAX_LN_DEVIATION: f64 = 0.26;
 const MIN_MOVING_WINDOWS: usize = 10;
 
 /// Two sources of the same quantity.
-struct Pair<'a> {
+struct SourcePair<'a> {
     first: &'a str,
     a: &'a [f64],
     second: &'a str,
@@ -51,8 +51,9 @@ pub(super) fn check(robot: &RobotRows<'_>, windows: &Windows, findings: &mut Vec
     let with_pose = !yaw_in_degrees;
     let miscounted = wheel_scale::known(windows, &wheels_v, with_pose);
     // what miscounts says nothing about the units of others
-    let apart =
-        |pair: &Pair<'_>| miscounted.is_some() && [pair.first, pair.second].contains(&"wheels");
+    let apart = |pair: &SourcePair<'_>| {
+        miscounted.is_some() && [pair.first, pair.second].contains(&"wheels")
+    };
     for pair in pairs(windows, &wheels_v, &wheels_w, with_pose).filter(|pair| !apart(pair)) {
         if let Some(finding) = known_factor(&robot.robot.name, &pair) {
             yaw_in_degrees &= finding.id != "units";
@@ -78,7 +79,7 @@ fn pairs<'a>(
     wheels_v: &'a [f64],
     wheels_w: &'a [f64],
     with_pose: bool,
-) -> impl Iterator<Item = Pair<'a>> {
+) -> impl Iterator<Item = SourcePair<'a>> {
     let Windows {
         pose_v,
         pose_w,
@@ -88,14 +89,14 @@ fn pairs<'a>(
         command_w,
         ..
     } = windows;
-    let speeds = |first, a, second, b| Pair {
+    let speeds = |first, a, second, b| SourcePair {
         first,
         a,
         second,
         b,
         factors: &SPEEDS,
     };
-    let turns = |first, a, second, b| Pair {
+    let turns = |first, a, second, b| SourcePair {
         first,
         a,
         second,
@@ -134,7 +135,7 @@ fn yaw_is_in_degrees(windows: &Windows) -> bool {
 }
 
 /// A finding if the two sources are equal up to a known factor.
-fn known_factor(robot: &str, pair: &Pair<'_>) -> Option<Finding> {
+fn known_factor(robot: &str, pair: &SourcePair<'_>) -> Option<Finding> {
     let similarity = similarity(pair.a, pair.b)?;
     if similarity.cosine.abs() < MIN_SIMILARITY {
         return None;

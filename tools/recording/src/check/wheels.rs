@@ -17,32 +17,32 @@ const CROSSED_MARGIN: f64 = 0.2;
 const UNCLEAR: f64 = 0.75;
 
 /// A source of the robot's speed and yaw rate.
-struct Reference<'a> {
+struct MotionSource<'a> {
     name: &'static str,
     v: &'a [f64],
     w: &'a [f64],
 }
 
 /// Severity, id, statement and remedy of a finding.
-type Verdict = (Severity, &'static str, String, &'static str);
+type WheelFinding = (Severity, &'static str, String, &'static str);
 
 /// Adds findings about sides and signs to `robot`. `windows` are those of all runs of the machine.
 pub(super) fn check(robot: &str, windows: &Windows, findings: &mut Vec<Finding>) {
-    let mut add = |(severity, id, statement, remedy): Verdict| {
+    let mut add = |(severity, id, statement, remedy): WheelFinding| {
         findings.push(Finding::new(severity, robot, id, statement, remedy));
     };
     let references = [
-        Reference {
+        MotionSource {
             name: "pose",
             v: &windows.pose_v,
             w: &windows.pose_w,
         },
-        Reference {
+        MotionSource {
             name: "command",
             v: &windows.command_v,
             w: &windows.command_w,
         },
-        Reference {
+        MotionSource {
             name: "odometry and gyro",
             v: &windows.odometry_v,
             w: &windows.gyro_w,
@@ -57,7 +57,7 @@ pub(super) fn check(robot: &str, windows: &Windows, findings: &mut Vec<Finding>)
 }
 
 /// Sources of the same quantity with opposite signs.
-fn opposite_signs(windows: &Windows) -> Vec<Verdict> {
+fn opposite_signs(windows: &Windows) -> Vec<WheelFinding> {
     let Windows {
         pose_v,
         pose_w,
@@ -104,7 +104,7 @@ fn opposite_signs(windows: &Windows) -> Vec<Verdict> {
 }
 
 /// Whether each wheel follows the command of the other wheel clearly better than its own.
-fn crossed_commands(windows: &Windows) -> Option<Verdict> {
+fn crossed_commands(windows: &Windows) -> Option<WheelFinding> {
     let follows = |a: &[f64], b: &[f64]| cosine(a, b).unwrap_or(0.0);
     let (right, left) = (&windows.wheel_right, &windows.wheel_left);
     let (command_right, command_left) = (&windows.command_right, &windows.command_left);
@@ -118,7 +118,7 @@ fn crossed_commands(windows: &Windows) -> Option<Verdict> {
 }
 
 /// The assignment of sides and signs that the reference tells, where it is another than the given one.
-fn sides(windows: &Windows, reference: &Reference<'_>) -> Option<Verdict> {
+fn sides(windows: &Windows, reference: &MotionSource<'_>) -> Option<WheelFinding> {
     let name = reference.name;
     let wheels: [&[f64]; 2] = [&windows.wheel_right, &windows.wheel_left];
     let half_track_m = windows.size_m.map(|[_, b]| b);

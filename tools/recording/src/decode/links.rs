@@ -18,7 +18,7 @@ pub(crate) struct LinksBuilder {
 }
 
 /// One position message.
-struct Message {
+struct PositionMessage {
     t_sent_s: f64,
     from: String,
     to: String,
@@ -44,7 +44,7 @@ impl LinksBuilder {
         let arrived = message.fate == 0;
         let received_s = arrived.then(|| s_from_ns(message.t_received_ns));
         let unknown = vec![String::new(); self.spool.tail().unknown.len()];
-        self.push(Message {
+        self.push(PositionMessage {
             t_sent_s: s_from_ns(message.t_sent_ns),
             from: message.sender,
             to: message.receiver,
@@ -74,7 +74,7 @@ impl LinksBuilder {
         if !is_time(row.t_s) || texts.len() != self.spool.tail().unknown.len() {
             return Err(Undecodable);
         }
-        self.push(Message {
+        self.push(PositionMessage {
             t_sent_s: row.t_s,
             from,
             to,
@@ -84,7 +84,7 @@ impl LinksBuilder {
         Ok(())
     }
 
-    fn push(&mut self, message: Message) {
+    fn push(&mut self, message: PositionMessage) {
         let table = self.spool.tail();
         table.t_s.push(message.t_sent_s);
         let mut numbers = message.numbers.into_iter();

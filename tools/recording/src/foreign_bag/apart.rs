@@ -18,7 +18,7 @@ const MOST_COUNTS: f64 = 8192.0;
 
 /// Two wheels, right and left, being read.
 pub(super) struct Apart {
-    wheels: [Wheel; 2],
+    wheels: [WheelReading; 2],
     quantity: Quantity,
     /// The last row of wheels that turn.
     last: Option<[f64; 2]>,
@@ -27,7 +27,7 @@ pub(super) struct Apart {
 }
 
 /// A wheel being read.
-struct Wheel {
+struct WheelReading {
     topic: String,
     take: Take,
     rows: Spool,
@@ -51,7 +51,7 @@ pub(super) enum Take {
 impl Apart {
     /// Nothing yet; `wheels` are right and left, with their topics.
     pub(super) fn new(wheels: [(String, Take); 2], quantity: Quantity, disk: &Disk) -> Self {
-        let wheels = wheels.map(|(topic, take)| Wheel {
+        let wheels = wheels.map(|(topic, take)| WheelReading {
             topic,
             take,
             rows: Spool::new(disk, Table::new(&["value"], Vec::new())),
@@ -78,7 +78,7 @@ impl Apart {
         clock: Clock,
         log_ns: i64,
     ) -> VisitResult {
-        let own = |wheel: &&mut Wheel| wheel.topic == channel.topic;
+        let own = |wheel: &&mut WheelReading| wheel.topic == channel.topic;
         let pushed = self.wheels.iter_mut().filter(own).map(|wheel| {
             for (stamp_ns, value) in wheel.take.values(channel, data)? {
                 wheel.is_stamped |= stamp_ns.is_some_and(|stamp_ns| stamp_ns != 0);

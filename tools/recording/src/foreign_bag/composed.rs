@@ -32,7 +32,7 @@ pub(super) struct Composed {
     moving: Vec<Moving>,
     /// The longest time that a correction's stamp lay ahead of its reception (ns).
     ahead_ns: i64,
-    poses: Poses,
+    poses: ComposedPoses,
 }
 
 /// A link that moves.
@@ -55,7 +55,7 @@ impl Composed {
             moving: moving.collect(),
             chain,
             ahead_ns: 0,
-            poses: Poses::default(),
+            poses: ComposedPoses::default(),
         }
     }
 
@@ -190,7 +190,7 @@ impl Composed {
 
 /// How many poses were composed.
 #[derive(Debug, Default)]
-struct Poses {
+struct ComposedPoses {
     rows: u64,
     /// Those for which not all transforms are known.
     left_out: u64,
@@ -198,7 +198,7 @@ struct Poses {
     span_s: Option<[f64; 2]>,
 }
 
-impl Poses {
+impl ComposedPoses {
     fn add(&mut self, t_s: f64) {
         self.rows += 1;
         self.span_s = Some([self.span_s.map_or(t_s, |[first, _]| first), t_s]);

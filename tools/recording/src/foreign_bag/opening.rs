@@ -18,7 +18,7 @@ use crate::rows::Disk;
 use crate::table::StreamKind;
 
 /// Opens the streams of a map.
-struct Opening<'a> {
+struct StreamOpening<'a> {
     disk: &'a Disk,
     path: &'a Path,
     topics: &'a [Topic],
@@ -37,7 +37,7 @@ pub(super) fn open_streams(
     map: &TopicMap,
     topics: &[Topic],
 ) -> Result<Vec<Reading>> {
-    let opening = Opening {
+    let opening = StreamOpening {
         disk,
         path,
         topics,
@@ -47,7 +47,7 @@ pub(super) fn open_streams(
     sources.map(|source| opening.reading(source)).collect()
 }
 
-impl Opening<'_> {
+impl StreamOpening<'_> {
     fn reading(&self, source: &Source) -> Result<Reading> {
         let (columns, way) = match &source.apart {
             Some(_) => self.apart(source)?,

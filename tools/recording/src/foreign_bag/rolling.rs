@@ -21,7 +21,7 @@ const LEAST_TURN_RAD: f64 = 0.2;
 const MOST: usize = 100;
 
 /// A frame that turns as a wheel does.
-struct Rolling<'a> {
+struct RollingFrame<'a> {
     link: Link<'a>,
     base: &'a str,
     /// Its middle in the base (m).
@@ -30,13 +30,13 @@ struct Rolling<'a> {
 
 /// The wheels of robots, two each, as streams.
 pub(super) fn wheels(frames: &Frames<'_>) -> Vec<Candidate> {
-    let rolling: Vec<Rolling<'_>> = frames
+    let rolling: Vec<RollingFrame<'_>> = frames
         .links()
         .filter_map(|own| of(frames, own))
         .take(MOST)
         .collect();
     let of_side = |side| {
-        let own = move |own: &&Rolling<'_>| side_of_place(&own.place) == Some(side);
+        let own = move |own: &&RollingFrame<'_>| side_of_place(&own.place) == Some(side);
         rolling.iter().filter(own)
     };
     let mut wheels = Vec::new();
@@ -48,7 +48,7 @@ pub(super) fn wheels(frames: &Frames<'_>) -> Vec<Candidate> {
     wheels
 }
 
-fn of<'a>(frames: &Frames<'a>, link: Link<'a>) -> Option<Rolling<'a>> {
+fn of<'a>(frames: &Frames<'a>, link: Link<'a>) -> Option<RollingFrame<'a>> {
     let is_wheel = words_of(link.child)
         .iter()
         .any(|word| word.contains("wheel"));
@@ -61,7 +61,7 @@ fn of<'a>(frames: &Frames<'a>, link: Link<'a>) -> Option<Rolling<'a>> {
         return None;
     }
     let own = frames.in_base(link)?;
-    Some(Rolling {
+    Some(RollingFrame {
         link,
         base: own.base,
         place: own.place.translation.vector,

@@ -39,7 +39,7 @@ pub(super) struct Topic {
     /// The frame of the first message's header.
     pub(super) frame: Option<String>,
     /// What an odometry tells of its motion.
-    told: Told,
+    told: ToldMotion,
 }
 
 /// What was seen of a transform.
@@ -57,7 +57,7 @@ pub(super) struct Seen {
 
 /// What an odometry tells of its motion.
 #[derive(Debug, Default)]
-struct Told {
+struct ToldMotion {
     /// The first pose: x (m), y (m), yaw (rad).
     first: Option<[f64; 3]>,
     /// Whether a pose was another than the first.
@@ -66,7 +66,7 @@ struct Told {
     has_speed: bool,
 }
 
-impl Told {
+impl ToldMotion {
     fn add(&mut self, sample: &Sample) {
         let pose = ["x_m", "y_m", "yaw_rad"].map(|name| sample.number(name));
         self.moves |= *self.first.get_or_insert(pose) != pose;
@@ -167,7 +167,7 @@ impl Topic {
             layout,
             description: None,
             frame: None,
-            told: Told::default(),
+            told: ToldMotion::default(),
         }
     }
 

@@ -54,10 +54,10 @@ fn candidate(topic: &Topic, [parent, frame]: [&str; 2], seen: &Seen, rank: u32) 
 }
 
 /// Frames that never move, by the frame in which they do not.
-type Carried = BTreeMap<String, Vec<String>>;
+type FixedFrames = BTreeMap<String, Vec<String>>;
 
-fn carried(topic: &Topic, topics: &[Topic]) -> Carried {
-    let mut carried = Carried::new();
+fn carried(topic: &Topic, topics: &[Topic]) -> FixedFrames {
+    let mut carried = FixedFrames::new();
     for (frames, link) in links(topics, &topic.channel.topic) {
         let [parent, child] = frames;
         if link.fixed.is_some() {
@@ -68,7 +68,7 @@ fn carried(topic: &Topic, topics: &[Topic]) -> Carried {
 }
 
 /// The base of the robot, if `frame` is a marker or sensor that is fixed to it; else `frame`.
-fn base_of<'a>(frame: &'a str, carried: &'a Carried) -> &'a str {
+fn base_of<'a>(frame: &'a str, carried: &'a FixedFrames) -> &'a str {
     let mut reached = BTreeSet::from([frame]);
     let mut waiting = VecDeque::from([frame]);
     while let Some(here) = waiting.pop_front() {

@@ -9,7 +9,7 @@ use super::times_file::TimesFile;
 
 /// Gives the time of each row, in the unit of the file.
 pub(super) struct Clock {
-    source: Source,
+    source: ClockSource,
     /// Rows before this one.
     rows: i64,
     /// The last time of day, and how often midnight passed.
@@ -17,7 +17,7 @@ pub(super) struct Clock {
     midnights: i64,
 }
 
-enum Source {
+enum ClockSource {
     /// Numbers; dates only where there is no factor, since they are in seconds.
     Column {
         cell: Cell,
@@ -44,13 +44,13 @@ impl Clock {
     /// If the file has no such column.
     pub(super) fn new(csv: &ForeignCsv<'_>, time: &TimeEntry) -> Result<Self, InputError> {
         let source = match time {
-            TimeEntry::Column(column) => Source::Column {
+            TimeEntry::Column(column) => ClockSource::Column {
                 cell: csv.find(column)?,
                 may_be_date: column.factor == 1.0,
             },
-            TimeEntry::Parts([s, ns]) => Source::Parts([csv.find(s)?, csv.find(ns)?]),
-            TimeEntry::Period(_) => Source::Period,
-            TimeEntry::File(name) => Source::File(TimesFile::beside(csv.path, name)?),
+            TimeEntry::Parts([s, ns]) => ClockSource::Parts([csv.find(s)?, csv.find(ns)?]),
+            TimeEntry::Period(_) => ClockSource::Period,
+            TimeEntry::File(name) => ClockSource::File(TimesFile::beside(csv.path, name)?),
         };
         Ok(Self {
             source,
@@ -68,15 +68,15 @@ impl Clock {
         let row = self.rows;
         self.rows += 1;
         let (cell, may_be_date) = match &mut self.source {
-            Source::File(times) => return times.next(),
-            Source::Period => {
+            ClockSource::File(times) => return times.next(),
+            ClockSource::Period => {
                 return Ok(Some(Moment {
                     whole: row,
                     rest: 0.0,
                 }));
             }
-            Source::Parts([s, ns]) => return of_parts(csv, *s, *ns),
-            Source::Column { cell, may_be_date } => (*cell, *may_be_date),
+            ClockSource::Parts([s, ns]) => return of_parts(csv, *s, *ns),
+            ClockSource::Column { cell, may_be_date } => (*cell, *may_be_date),
         };
         let Some(text) = csv.text(cell.index)? else {
             return Ok(None);

@@ -47,7 +47,7 @@ pub struct ColumnMap {
 /// Keys of a robot besides its streams.
 const ROBOT_KEYS: [&str; 2] = ["pose_point", "encoder_counts_per_rev"];
 
-type Parsed<T> = std::result::Result<T, InputError>;
+type ParsedMap<T> = std::result::Result<T, InputError>;
 
 impl ColumnMap {
     /// Reads a map from a file.
@@ -62,7 +62,7 @@ impl ColumnMap {
     ///
     /// # Errors
     /// As [`ColumnMap::read`].
-    pub fn parse(text: &str, path: &Path) -> Parsed<Self> {
+    pub fn parse(text: &str, path: &Path) -> ParsedMap<Self> {
         let file = TomlFile { path, text };
         let table = file.parse()?;
         let root = file.root(&table);
@@ -84,7 +84,7 @@ impl ColumnMap {
         Ok(map)
     }
 
-    fn add_robot(&mut self, name: &str, section: &Section<'_>) -> Parsed<()> {
+    fn add_robot(&mut self, name: &str, section: &Section<'_>) -> ParsedMap<()> {
         let mut keys = StreamKind::ALL.map(StreamKind::name).to_vec();
         keys.extend(ROBOT_KEYS);
         section.allow_only(&keys)?;

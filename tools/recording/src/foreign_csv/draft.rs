@@ -23,12 +23,12 @@ const SHOWN_CELLS: usize = 100;
 pub(crate) struct Draft {
     /// What was guessed; no stream, if nothing was.
     pub(crate) map: ColumnMap,
-    files: Vec<File>,
+    files: Vec<DraftFile>,
 }
 
 /// A file and its part of the guess.
 #[derive(Debug)]
-struct File {
+struct DraftFile {
     name: String,
     sample: Sample,
     /// The streams, each with what a person should know about it.
@@ -61,7 +61,7 @@ impl Draft {
             let streams = new
                 .into_iter()
                 .map(|own| stream(with_times(own, &at), file.clone(), format));
-            files.push(File {
+            files.push(DraftFile {
                 name: name.clone().into_owned(),
                 streams: streams.collect(),
                 left_out: old.into_iter().map(|own| own.kind).collect(),
@@ -153,7 +153,7 @@ impl Draft {
     }
 }
 
-impl File {
+impl DraftFile {
     /// The columns of the file, for a person.
     fn columns(&self) -> String {
         let name = &self.name;

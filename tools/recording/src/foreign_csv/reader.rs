@@ -73,10 +73,11 @@ pub(crate) fn read_columns(path: &Path, map: &ColumnMap) -> Result<Spooled> {
 const MOST_APART_S: f64 = 1e8;
 
 /// What to say of files whose times count from different origins.
-fn apart(map: &ColumnMap, starts: &[Start]) -> Option<String> {
+fn apart(map: &ColumnMap, starts: &[FirstMoment]) -> Option<String> {
     let streams = || map.streams.iter().zip(starts);
-    let order =
-        |a: &(&StreamEntry, &Start), b: &(&StreamEntry, &Start)| a.1.t_s().total_cmp(&b.1.t_s());
+    let order = |a: &(&StreamEntry, &FirstMoment), b: &(&StreamEntry, &FirstMoment)| {
+        a.1.t_s().total_cmp(&b.1.t_s())
+    };
     let ((first, begin), (last, end)) = streams().min_by(order).zip(streams().max_by(order))?;
     let apart_s = end.t_s() - begin.t_s();
     (apart_s > MOST_APART_S).then(|| {
@@ -118,13 +119,13 @@ impl StreamEntry {
 
 /// The first moment of a stream, and the unit of its clock (s).
 #[derive(Debug, Clone, Copy, Default)]
-struct Start {
+struct FirstMoment {
     moment: Moment,
     unit_s: f64,
     offset_s: f64,
 }
 
-impl Start {
+impl FirstMoment {
     /// The time on the clock of the file (s).
     fn t_s(&self) -> f64 {
         self.moment.since(Moment::default()) * self.unit_s + self.offset_s
@@ -140,7 +141,7 @@ impl Start {
     }
 }
 
-fn start_of(file: &Path, stream: &StreamEntry) -> Result<Start> {
+fn start_of(file: &Path, stream: &StreamEntry) -> Result<FirstMoment> {
     let mut csv = ForeignCsv::open(file, stream.format)?;
     let mut clock = Clock::new(&csv, &stream.time)?;
     let mut first: Option<Moment> = None;
@@ -150,7 +151,7 @@ fn start_of(file: &Path, stream: &StreamEntry) -> Result<Start> {
         }
     }
     let (unit_s, offset_s) = unit_of(&stream.time);
-    Ok(Start {
+    Ok(FirstMoment {
         moment: first.unwrap_or_default(),
         unit_s,
         offset_s,
@@ -162,7 +163,7 @@ fn start_of(file: &Path, stream: &StreamEntry) -> Result<Start> {
 fn read_stream(
     file: &Path,
     stream: &StreamEntry,
-    starts: [Start; 2],
+    starts: [FirstMoment; 2],
     disk: &Disk,
 ) -> Result<(Spool, Vec<String>)> {
     let mut csv = ForeignCsv::open(file, stream.format)?;

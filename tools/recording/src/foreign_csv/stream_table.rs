@@ -23,7 +23,7 @@ const QUATERNION: [&str; 4] = ["qx", "qy", "qz", "qw"];
 /// Keys of a pose for a yaw from a direction.
 const DIRECTION: [&str; 2] = ["forward_x", "forward_y"];
 
-type Parsed<T> = Result<T, InputError>;
+type ParsedStream<T> = Result<T, InputError>;
 
 /// Reads the table of a stream.
 ///
@@ -33,7 +33,7 @@ pub(super) fn parse_stream(
     robot: &str,
     kind: StreamKind,
     entry: &Entry<'_>,
-) -> Parsed<StreamEntry> {
+) -> ParsedStream<StreamEntry> {
     let section = entry.section()?;
     let own = kind.column_sets().iter().flat_map(|set| set.names());
     let mut keys: Vec<&str> = own.collect();
@@ -47,7 +47,7 @@ pub(super) fn parse_stream(
         separator: separator(&section)?,
         has_header: section.get("header").map(|own| own.boolean()).transpose()?,
     };
-    let column = Columns {
+    let column = FileColumns {
         has_header: format.has_header,
     };
     let mut columns = Vec::new();
@@ -83,7 +83,7 @@ pub(super) fn parse_stream(
 }
 
 /// A file in the folder of the recording.
-fn file_name(file: &Entry<'_>) -> Parsed<String> {
+fn file_name(file: &Entry<'_>) -> ParsedStream<String> {
     let name = file.text()?;
     let mut parts = Path::new(name).components();
     if !parts.all(|part| matches!(part, Component::Normal(_))) {
@@ -93,7 +93,7 @@ fn file_name(file: &Entry<'_>) -> Parsed<String> {
     Ok(name.to_owned())
 }
 
-fn separator(section: &Section<'_>) -> Parsed<Option<u8>> {
+fn separator(section: &Section<'_>) -> ParsedStream<Option<u8>> {
     let Some(separator) = section.get("separator") else {
         return Ok(None);
     };
@@ -107,13 +107,13 @@ fn separator(section: &Section<'_>) -> Parsed<Option<u8>> {
 }
 
 /// Reads columns of a file.
-struct Columns {
+struct FileColumns {
     has_header: Option<bool>,
 }
 
-impl Columns {
+impl FileColumns {
     /// The time of a row: `t_s`, with `t_ns` if nanoseconds have a column of their own, `period_s`, or a file of `times`.
-    fn time(&self, section: &Section<'_>) -> Parsed<TimeEntry> {
+    fn time(&self, section: &Section<'_>) -> ParsedStream<TimeEntry> {
         let ns = section.get("t_ns");
         if let Some(entry) = section.get("times") {
             let others = ["t_s", "t_ns", "period_s"];
@@ -149,7 +149,7 @@ impl Columns {
     }
 
     /// The yaw of a pose that does not say it itself.
-    fn turned(&self, section: &Section<'_>) -> Parsed<Option<Source<ColumnEntry>>> {
+    fn turned(&self, section: &Section<'_>) -> ParsedStream<Option<Source<ColumnEntry>>> {
         let get = |key| section.get(key).map(|own| self.parse(&own)).transpose();
         let is_given = |keys: &[&str]| keys.iter().any(|key| section.get(key).is_some());
         let require = |key| self.parse(&section.require(key)?);
@@ -173,7 +173,7 @@ impl Columns {
     }
 
     /// A name, a number, or a table with one of them and factor or offset.
-    fn parse(&self, entry: &Entry<'_>) -> Parsed<ColumnEntry> {
+    fn parse(&self, entry: &Entry<'_>) -> ParsedStream<ColumnEntry> {
         let mut factor = 1.0;
         let mut offset = 0.0;
         let column = if entry.value.is_table() {
@@ -198,7 +198,7 @@ impl Columns {
         })
     }
 
-    fn name(&self, entry: &Entry<'_>) -> Parsed<Column> {
+    fn name(&self, entry: &Entry<'_>) -> ParsedStream<Column> {
         if let Ok(name) = entry.text() {
             return match self.has_header {
                 Some(false) => {

@@ -30,7 +30,7 @@ pub(crate) fn bursts(rows: &Rows<'_>) -> Bursts {
     if deviation > REGULAR {
         return Bursts::default();
     }
-    let mut search = Search {
+    let mut search = BurstSearch {
         interval_s,
         row: 0,
         last_s: None,
@@ -45,7 +45,7 @@ pub(crate) fn bursts(rows: &Rows<'_>) -> Bursts {
     found
 }
 
-struct Search {
+struct BurstSearch {
     interval_s: f64,
     row: usize,
     last_s: Option<f64>,
@@ -54,7 +54,7 @@ struct Search {
     found: Bursts,
 }
 
-impl Search {
+impl BurstSearch {
     fn add(&mut self, t_s: f64) {
         let Some(last_s) = self.last_s.replace(t_s) else {
             self.row += 1;

@@ -38,7 +38,7 @@ pub struct PoseJump {
 }
 
 /// Time (s), x (m), y (m), heading without jumps of whole turns (rad; 0 without).
-type Row = [f64; 4];
+type PoseRow = [f64; 4];
 
 /// The jumps of a robot's poses. A step that the wheels tell as well is none.
 pub(crate) fn pose_jumps(
@@ -46,13 +46,13 @@ pub(crate) fn pose_jumps(
     wheels: Option<(&Rows<'_>, &WheelFaults)>,
     robot: &str,
 ) -> Vec<PoseJump> {
-    let Some(usual) = Usual::of(pose) else {
+    let Some(usual) = UsualSteps::of(pose) else {
         return Vec::new();
     };
     let (mut found, mut steps_s) = (Vec::new(), Vec::new());
     let mut path = [0.0; 2];
-    let mut last = None::<Row>;
-    let mut near: VecDeque<Row> = VecDeque::with_capacity(2 * AROUND + 1);
+    let mut last = None::<PoseRow>;
+    let mut near: VecDeque<PoseRow> = VecDeque::with_capacity(2 * AROUND + 1);
     visit(pose, &mut |row| {
         if let Some(last) = last.replace(row) {
             path[0] += distance(&last, &row);
@@ -77,7 +77,7 @@ pub(crate) fn pose_jumps(
         }
     });
     if let Some((rows, faults)) = wheels {
-        let wheels = WheelPath::over(rows, faults, &steps_s);
+        let wheels = WheelTravel::over(rows, faults, &steps_s);
         let mut parts = wheels.parts.iter();
         found.retain(|jump| {
             let part = parts.next().copied().unwrap_or_default();
@@ -94,13 +94,13 @@ pub(crate) fn pose_jumps(
 
 /// How far the wheels went: sum and difference of both, without regard to their sign.
 #[derive(Default)]
-struct WheelPath {
+struct WheelTravel {
     whole: [f64; 2],
     /// In each of the asked times.
     parts: Vec<[f64; 2]>,
 }
 
-impl WheelPath {
+impl WheelTravel {
     /// Over the whole recording, and within each of these times (s, ascending).
     fn over(rows: &Rows<'_>, faults: &WheelFaults, times_s: &[[f64; 2]]) -> Self {
         let mut path = Self {
@@ -140,16 +140,16 @@ impl WheelPath {
 }
 
 /// What the poses do from row to row.
-struct Usual {
+struct UsualSteps {
     interval_s: f64,
     m_per_s: f64,
     rad_per_s: f64,
 }
 
-impl Usual {
+impl UsualSteps {
     fn of(pose: &Rows<'_>) -> Option<Self> {
         let stride = pose.len().div_ceil(MOST_STEPS).max(1);
-        let (mut last, mut count, mut steps) = (None::<Row>, 0_usize, Vec::new());
+        let (mut last, mut count, mut steps) = (None::<PoseRow>, 0_usize, Vec::new());
         visit(pose, &mut |row| {
             if let Some(last) = last.replace(row) {
                 if count.is_multiple_of(stride) {
@@ -175,7 +175,7 @@ impl Usual {
     }
 
     /// Whether the poses jump in the middle of these rows, and stay.
-    fn has_jump(&self, rows: &[Row]) -> bool {
+    fn has_jump(&self, rows: &[PoseRow]) -> bool {
         let Some((before, after)) = rows.split_at_checked(AROUND) else {
             return false;
         };
@@ -183,26 +183,27 @@ impl Usual {
             return false;
         };
         let dt_s = (b[0] - a[0]).max(self.interval_s);
-        let stays = |size: fn(&Row, &Row) -> f64, per_s: f64| {
+        let stays = |size: fn(&PoseRow, &PoseRow) -> f64, per_s: f64| {
             let jump = size(a, b);
-            let near =
-                |place: &Row, rows: &[Row]| rows.iter().all(|row| size(place, row) < STAYS * jump);
+            let near = |place: &PoseRow, rows: &[PoseRow]| {
+                rows.iter().all(|row| size(place, row) < STAYS * jump)
+            };
             jump > IMPLAUSIBLE * per_s * dt_s && near(a, before) && near(b, after)
         };
         stays(distance, self.m_per_s) || stays(turn, self.rad_per_s)
     }
 }
 
-fn distance(a: &Row, b: &Row) -> f64 {
+fn distance(a: &PoseRow, b: &PoseRow) -> f64 {
     (b[1] - a[1]).hypot(b[2] - a[2])
 }
 
-fn turn(a: &Row, b: &Row) -> f64 {
+fn turn(a: &PoseRow, b: &PoseRow) -> f64 {
     (b[3] - a[3]).abs()
 }
 
 /// Calls `visit` with every pose whose cells are full.
-fn visit(pose: &Rows<'_>, visit: &mut dyn FnMut(Row)) {
+fn visit(pose: &Rows<'_>, visit: &mut dyn FnMut(PoseRow)) {
     let has_yaw = pose.has("yaw_rad");
     let mut unwrap = Unwrap::default();
     let mut cursor = pose.clone().cursor();

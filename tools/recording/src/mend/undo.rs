@@ -9,12 +9,12 @@ use crate::table::Table;
 pub(crate) struct MendedWheels<'a> {
     faults: &'a WheelFaults,
     row: usize,
-    sides: [Side; 2],
+    sides: [WheelKnown; 2],
 }
 
 /// What is known of one wheel so far.
 #[derive(Debug, Default)]
-struct Side {
+struct WheelKnown {
     last: Option<f64>,
     /// What is added to the values from here on.
     offset: f64,
@@ -70,7 +70,7 @@ impl<'a> MendedWheels<'a> {
     }
 }
 
-impl Side {
+impl WheelKnown {
     fn passes_glitch(&mut self, fault: &Fault, row: usize) -> bool {
         let next = fault.glitches.get(self.next_glitch);
         let is_glitch = next.is_some_and(|(at, _)| *at == row);

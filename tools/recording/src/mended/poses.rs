@@ -24,17 +24,17 @@ pub(super) fn mended(poses: &mut Stream<Pose>, faults: &PoseFaults) -> Vec<usize
 }
 
 /// x (m), y (m) and heading (rad) of a row.
-type Place = [f64; 3];
+type RowPose = [f64; 3];
 
 /// Where `place` is as seen from `from`.
-fn seen_from(from: Place, place: Place) -> Place {
+fn seen_from(from: RowPose, place: RowPose) -> RowPose {
     let (sin, cos) = from[2].sin_cos();
     let [dx, dy] = [place[0] - from[0], place[1] - from[1]];
     [dx * cos + dy * sin, dy * cos - dx * sin, place[2] - from[2]]
 }
 
 /// Where `seen` is, which is seen from `from`.
-fn at(from: Place, seen: Place) -> Place {
+fn at(from: RowPose, seen: RowPose) -> RowPose {
     let (sin, cos) = from[2].sin_cos();
     [
         from[0] + seen[0] * cos - seen[1] * sin,
@@ -80,7 +80,7 @@ fn join(poses: &mut Stream<Pose>, jump: &PoseJump) {
     }
 }
 
-fn move_row(poses: &mut Pose, row: usize, to: impl Fn(Place) -> Place) {
+fn move_row(poses: &mut Pose, row: usize, to: impl Fn(RowPose) -> RowPose) {
     if let Some(yaw_rad) = &mut poses.yaw_rad {
         let place = to([poses.x_m[row], poses.y_m[row], yaw_rad[row]]);
         [poses.x_m[row], poses.y_m[row], yaw_rad[row]] = place;

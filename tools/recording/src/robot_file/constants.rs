@@ -31,7 +31,7 @@ const SUFFIXES: [(&str, f64); 5] = [
 pub(super) fn drive(text: &str, path: &Path) -> Result<Drive, InputError> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let mut drive = Drive::named(one_line(&name));
-    let mut known: BTreeMap<&str, Value> = BTreeMap::new();
+    let mut known: BTreeMap<&str, ExpressionValue> = BTreeMap::new();
     for (place, line) in text.lines().enumerate() {
         let Some((name, expression)) = assignment(line) else {
             continue;
@@ -63,7 +63,7 @@ pub(super) fn drive(text: &str, path: &Path) -> Result<Drive, InputError> {
 
 /// The value of an expression.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Value {
+struct ExpressionValue {
     number: f64,
     /// Whether the expression says that it is in metres.
     is_metric: bool,
@@ -94,15 +94,15 @@ fn assignment(line: &str) -> Option<(&str, &str)> {
 }
 
 /// The value of a product or quotient of numbers, known constants and conversions.
-fn evaluate(expression: &str, known: &BTreeMap<&str, Value>) -> Option<Value> {
-    let mut value: Option<Value> = None;
+fn evaluate(expression: &str, known: &BTreeMap<&str, ExpressionValue>) -> Option<ExpressionValue> {
+    let mut value: Option<ExpressionValue> = None;
     let mut divides = false;
     let mut rest = expression.trim();
     while !rest.is_empty() {
         let (factor, later) = factor(rest, known)?;
         value = Some(match value {
             None => factor,
-            Some(own) => Value {
+            Some(own) => ExpressionValue {
                 number: match divides {
                     true => own.number / factor.number,
                     false => own.number * factor.number,
@@ -123,7 +123,10 @@ fn evaluate(expression: &str, known: &BTreeMap<&str, Value>) -> Option<Value> {
 }
 
 /// A number, a constant or a conversion at the beginning of an expression, and what follows it.
-fn factor<'a>(text: &'a str, known: &BTreeMap<&str, Value>) -> Option<(Value, &'a str)> {
+fn factor<'a>(
+    text: &'a str,
+    known: &BTreeMap<&str, ExpressionValue>,
+) -> Option<(ExpressionValue, &'a str)> {
     let is_of_word = |c: char| c.is_alphanumeric() || matches!(c, '_' | '.');
     let end = text.find(|c: char| !is_of_word(c)).unwrap_or(text.len());
     let (word, rest) = text.split_at(end);
@@ -138,7 +141,7 @@ fn factor<'a>(text: &'a str, known: &BTreeMap<&str, Value>) -> Option<(Value, &'
         let inside = evaluate(inside, known)?;
         let number = inside.number * unit_m;
         return Some((
-            Value {
+            ExpressionValue {
                 number,
                 is_metric: true,
             },
@@ -150,7 +153,7 @@ fn factor<'a>(text: &'a str, known: &BTreeMap<&str, Value>) -> Option<(Value, &'
         let own = known.get(name)?;
         Some((own.number, own.is_metric.then_some(1.0)))
     })?;
-    let value = Value {
+    let value = ExpressionValue {
         number: number * unit_m.unwrap_or(1.0),
         is_metric: unit_m.is_some(),
     };

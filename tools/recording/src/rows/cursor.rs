@@ -8,14 +8,14 @@ use crate::table::{StreamKind, Table, TableView, link_block, round_trip_block};
 /// A stream to read.
 #[derive(Debug, Clone)]
 pub(crate) struct Rows<'a> {
-    source: Source<'a>,
+    source: RowSource<'a>,
     /// The columns, without rows.
     empty: Table,
 }
 
 /// Where the rows are.
 #[derive(Debug, Clone)]
-enum Source<'a> {
+enum RowSource<'a> {
     Spool(&'a Spool),
     Stream(TableView<'a>),
     Links(&'a Links),
@@ -26,7 +26,7 @@ impl<'a> Rows<'a> {
     /// The rows of a spool.
     pub(crate) fn of_spool(spool: &'a Spool) -> Self {
         Self {
-            source: Source::Spool(spool),
+            source: RowSource::Spool(spool),
             empty: spool.empty(),
         }
     }
@@ -36,14 +36,14 @@ impl<'a> Rows<'a> {
         let view = TableView::of(robot, kind)?;
         Some(Self {
             empty: view.empty(),
-            source: Source::Stream(view),
+            source: RowSource::Stream(view),
         })
     }
 
     /// The position messages.
     pub(super) fn of_links(links: &'a Links) -> Self {
         Self {
-            source: Source::Links(links),
+            source: RowSource::Links(links),
             empty: Table::of_links(&links.unknown),
         }
     }
@@ -51,7 +51,7 @@ impl<'a> Rows<'a> {
     /// The round trips.
     pub(super) fn of_round_trips(trips: &'a RoundTrips) -> Self {
         Self {
-            source: Source::RoundTrips(trips),
+            source: RowSource::RoundTrips(trips),
             empty: Table::of_round_trips(&trips.unknown),
         }
     }
@@ -69,32 +69,32 @@ impl<'a> Rows<'a> {
     /// Number of rows.
     pub(crate) fn len(&self) -> usize {
         match &self.source {
-            Source::Spool(spool) => spool.len(),
-            Source::Stream(view) => view.t_s.len(),
-            Source::Links(links) => links.messages.len(),
-            Source::RoundTrips(trips) => trips.seq.len(),
+            RowSource::Spool(spool) => spool.len(),
+            RowSource::Stream(view) => view.t_s.len(),
+            RowSource::Links(links) => links.messages.len(),
+            RowSource::RoundTrips(trips) => trips.seq.len(),
         }
     }
 
     /// First and last time (s); `None` without rows.
     pub(crate) fn span_s(&self) -> Option<[f64; 2]> {
         match &self.source {
-            Source::Spool(spool) => spool.span_s(),
-            Source::Stream(view) => Some([*view.t_s.first()?, *view.t_s.last()?]),
-            Source::Links(links) => {
+            RowSource::Spool(spool) => spool.span_s(),
+            RowSource::Stream(view) => Some([*view.t_s.first()?, *view.t_s.last()?]),
+            RowSource::Links(links) => {
                 let messages = &links.messages;
                 Some([messages.first()?.t_sent_s, messages.last()?.t_sent_s])
             }
-            Source::RoundTrips(_) => None,
+            RowSource::RoundTrips(_) => None,
         }
     }
 
     /// Calls `visit` with the times of one part of the stream after the other (s).
     pub(crate) fn visit_times(&self, visit: &mut dyn FnMut(&[f64])) {
         match &self.source {
-            Source::Spool(spool) => spool.visit_times(visit),
-            Source::Stream(view) => visit(view.t_s),
-            Source::Links(_) | Source::RoundTrips(_) => {
+            RowSource::Spool(spool) => spool.visit_times(visit),
+            RowSource::Stream(view) => visit(view.t_s),
+            RowSource::Links(_) | RowSource::RoundTrips(_) => {
                 let mut cursor = self.clone().cursor();
                 while let Some(block) = cursor.next_block() {
                     visit(&block.t_s);
@@ -128,7 +128,7 @@ impl<'a> Rows<'a> {
 /// Reads a stream block by block.
 #[derive(Debug)]
 pub(crate) struct BlockCursor<'a> {
-    source: Source<'a>,
+    source: RowSource<'a>,
     /// Index of the next block.
     next: usize,
     block: Table,
@@ -144,10 +144,10 @@ impl BlockCursor<'_> {
         let (next, block) = (self.next, &mut self.block);
         self.next += 1;
         let is_there = match &self.source {
-            Source::Spool(spool) => spool.read_block(next, &mut self.bytes, block),
-            Source::Stream(view) => view.block(rows, block),
-            Source::Links(links) => link_block(links, rows, block),
-            Source::RoundTrips(trips) => round_trip_block(trips, rows, block),
+            RowSource::Spool(spool) => spool.read_block(next, &mut self.bytes, block),
+            RowSource::Stream(view) => view.block(rows, block),
+            RowSource::Links(links) => link_block(links, rows, block),
+            RowSource::RoundTrips(trips) => round_trip_block(trips, rows, block),
         };
         is_there.then_some(&self.block)
     }

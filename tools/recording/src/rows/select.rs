@@ -13,12 +13,12 @@ pub(crate) struct Selection {
     rank: u64,
     /// Smallest and largest number of the range, as [`key`]s.
     range: [u64; 2],
-    parts: Vec<Part>,
+    parts: Vec<RangePart>,
 }
 
 /// Number, smallest and largest of the numbers in a part of the range.
 #[derive(Debug, Clone, Copy)]
-struct Part {
+struct RangePart {
     count: u64,
     low: u64,
     high: u64,
@@ -30,7 +30,7 @@ impl Selection {
         Self {
             rank,
             range: [0, u64::MAX],
-            parts: vec![Part::EMPTY; PARTS],
+            parts: vec![RangePart::EMPTY; PARTS],
         }
     }
 
@@ -57,7 +57,7 @@ impl Selection {
                 if part.low == part.high {
                     return Some(number(part.low));
                 }
-                self.parts.fill(Part::EMPTY);
+                self.parts.fill(RangePart::EMPTY);
                 return None;
             }
             self.rank -= part.count;
@@ -66,7 +66,7 @@ impl Selection {
     }
 }
 
-impl Part {
+impl RangePart {
     const EMPTY: Self = Self {
         count: 0,
         low: u64::MAX,

@@ -9,7 +9,7 @@ use crate::table::Table;
 #[derive(Debug)]
 pub(crate) struct Spool {
     disk: Disk,
-    blocks: Vec<Place>,
+    blocks: Vec<SpoolPlace>,
     /// The rows after the last block.
     tail: Table,
     /// Size of the texts in `tail`.
@@ -23,7 +23,7 @@ pub(crate) struct Spool {
 
 /// Where a block lies.
 #[derive(Debug, Clone, Copy)]
-struct Place {
+struct SpoolPlace {
     offset: u64,
     bytes: usize,
     rows: usize,
@@ -144,7 +144,7 @@ impl Spool {
         let mut bytes = Vec::new();
         encode(&self.tail, &mut bytes);
         let rows = self.tail.t_s.len();
-        self.blocks.push(Place {
+        self.blocks.push(SpoolPlace {
             offset: self.disk.append(&bytes),
             bytes: bytes.len(),
             rows,

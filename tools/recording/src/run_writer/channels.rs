@@ -56,7 +56,7 @@ struct RobotChannels {
 }
 
 /// A stream and its columns.
-type Stream = (StreamKind, &'static str);
+type StreamLayout = (StreamKind, &'static str);
 
 impl RobotTopic {
     /// What a run may write of a robot.
@@ -87,7 +87,7 @@ impl RobotTopic {
 
     /// Message type, last part of the topic, and the stream that slipstream reads from the channel
     /// with its columns. Topics without a stream are for viewers.
-    fn definition(self) -> (MessageType, &'static str, Option<Stream>) {
+    fn definition(self) -> (MessageType, &'static str, Option<StreamLayout>) {
         let stream = |kind, columns: &'static str| {
             let (first, _) = columns.split_once(',').unwrap_or_default();
             let (message_type, name) = standard_type(kind, first);

@@ -17,9 +17,9 @@ use crate::table::{StreamKind, Table, is_time, out_of_range};
 const LENGTHS: [(&str, f64); 3] = [("Meters", 1.0), ("Feet", 0.3048), ("Inches", 0.0254)];
 
 /// Columns of a stream, and their values in a row.
-type Columns<'a> = (&'a [&'static str], fn(&Row) -> Vec<f64>);
+type StreamColumns<'a> = (&'a [&'static str], fn(&Row) -> Vec<f64>);
 
-const STREAMS: [(StreamKind, Columns<'static>); 3] = [
+const STREAMS: [(StreamKind, StreamColumns<'static>); 3] = [
     (
         StreamKind::Command,
         (&["voltage_right_v", "voltage_left_v"], |row| {
@@ -101,7 +101,7 @@ fn stream(
     path: &Path,
     run: &str,
     rows: &[Row],
-    (names, values): Columns<'_>,
+    (names, values): StreamColumns<'_>,
     disk: &Disk,
 ) -> Result<Spool> {
     let mut spool = Spool::new(disk, Table::new(names, Vec::new()));

@@ -8,7 +8,7 @@ use super::kind::StreamKind;
 use crate::recording::{Command, Imu, Motor, Odometry, Pose, Robot, Stream, UnknownColumn, Wheels};
 
 /// Columns by name.
-type Columns<'a> = Vec<(&'static str, CellsView<'a>)>;
+type NamedColumns<'a> = Vec<(&'static str, CellsView<'a>)>;
 
 /// A stream in memory: borrowed columns by name.
 #[derive(Debug, Clone)]
@@ -16,7 +16,7 @@ pub(crate) struct TableView<'a> {
     /// Time of each row (s).
     pub(crate) t_s: &'a [f64],
     /// The columns that the format defines.
-    pub(crate) columns: Columns<'a>,
+    pub(crate) columns: NamedColumns<'a>,
     /// The other columns, as text.
     pub(crate) unknown: &'a [UnknownColumn],
 }
@@ -65,7 +65,7 @@ impl<'a> TableView<'a> {
 
     fn new<V>(
         stream: Option<&'a Stream<V>>,
-        columns: impl Fn(&'a V) -> Columns<'a>,
+        columns: impl Fn(&'a V) -> NamedColumns<'a>,
     ) -> Option<Self> {
         stream.map(|stream| Self {
             t_s: &stream.t_s,
@@ -76,14 +76,16 @@ impl<'a> TableView<'a> {
 }
 
 /// The columns that are present.
-fn present<'a, const N: usize>(columns: [(&'static str, Option<&'a Vec<f64>>); N]) -> Columns<'a> {
+fn present<'a, const N: usize>(
+    columns: [(&'static str, Option<&'a Vec<f64>>); N],
+) -> NamedColumns<'a> {
     columns
         .into_iter()
         .filter_map(|(name, cells)| Some((name, CellsView::Numbers(cells?))))
         .collect()
 }
 
-fn command(command: &Command) -> Columns<'_> {
+fn command(command: &Command) -> NamedColumns<'_> {
     let (names, a, b) = match command {
         Command::Torque { right_nm, left_nm } => {
             (["torque_right_nm", "torque_left_nm"], right_nm, left_nm)
@@ -104,7 +106,7 @@ fn command(command: &Command) -> Columns<'_> {
     present([(names[0], Some(a)), (names[1], Some(b))])
 }
 
-fn wheels(wheels: &Wheels) -> Columns<'_> {
+fn wheels(wheels: &Wheels) -> NamedColumns<'_> {
     match wheels {
         Wheels::Ticks { right, left } => vec![
             ("ticks_right", CellsView::Counts(right)),
@@ -127,11 +129,11 @@ fn wheels(wheels: &Wheels) -> Columns<'_> {
     }
 }
 
-fn odometry(Odometry { v_m_s, w_rad_s }: &Odometry) -> Columns<'_> {
+fn odometry(Odometry { v_m_s, w_rad_s }: &Odometry) -> NamedColumns<'_> {
     present([("v_m_s", Some(v_m_s)), ("w_rad_s", w_rad_s.as_ref())])
 }
 
-fn pose(Pose { x_m, y_m, yaw_rad }: &Pose) -> Columns<'_> {
+fn pose(Pose { x_m, y_m, yaw_rad }: &Pose) -> NamedColumns<'_> {
     present([
         ("x_m", Some(x_m)),
         ("y_m", Some(y_m)),
@@ -139,7 +141,7 @@ fn pose(Pose { x_m, y_m, yaw_rad }: &Pose) -> Columns<'_> {
     ])
 }
 
-fn imu(imu: &Imu) -> Columns<'_> {
+fn imu(imu: &Imu) -> NamedColumns<'_> {
     present([
         ("ax_m_s2", imu.ax_m_s2.as_ref()),
         ("ay_m_s2", imu.ay_m_s2.as_ref()),
@@ -147,7 +149,7 @@ fn imu(imu: &Imu) -> Columns<'_> {
     ])
 }
 
-fn motor(motor: &Motor) -> Columns<'_> {
+fn motor(motor: &Motor) -> NamedColumns<'_> {
     present([
         ("current_right_a", motor.current_right_a.as_ref()),
         ("current_left_a", motor.current_left_a.as_ref()),

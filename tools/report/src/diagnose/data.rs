@@ -16,7 +16,7 @@ const BOXED: usize = 60;
 const RUNS: usize = 12;
 
 /// One stream.
-struct Stream<'a> {
+struct DrawnStream<'a> {
     name: &'static str,
     id: &'static str,
     times_s: &'a [f64],
@@ -78,7 +78,7 @@ fn of_robot(diagnosis: &Diagnosis<'_>, robot: &Robot) -> Markup {
 fn lane(
     diagnosis: &Diagnosis<'_>,
     robot: &Robot,
-    own: &Stream<'_>,
+    own: &DrawnStream<'_>,
     x: Scale,
     is_last: bool,
 ) -> Markup {
@@ -151,7 +151,7 @@ fn gaps(times_s: &[f64]) -> Vec<[f64; 2]> {
     pairs.map(|pair| [pair[0], pair[1]]).collect()
 }
 
-fn streams(robot: &Robot) -> Vec<Stream<'_>> {
+fn streams(robot: &Robot) -> Vec<DrawnStream<'_>> {
     let all = [
         ("Poses", "pose", robot.pose.as_ref().map(|own| &own.t_s)),
         (
@@ -173,7 +173,7 @@ fn streams(robot: &Robot) -> Vec<Stream<'_>> {
     ];
     all.into_iter()
         .filter_map(|(name, id, times)| {
-            Some(Stream {
+            Some(DrawnStream {
                 name,
                 id,
                 times_s: times.filter(|own| !own.is_empty())?,

@@ -173,13 +173,13 @@ fn specs(own: &Figures, run: usize) -> Vec<Spec> {
 struct Spec {
     title: String,
     unit: &'static str,
-    lines: Vec<Line>,
+    lines: Vec<ChartLine>,
     noise: Option<f64>,
     legend: Vec<(Ink, String)>,
 }
 
 /// One line of a chart.
-struct Line {
+struct ChartLine {
     ink: Ink,
     name: &'static str,
     points: Points,
@@ -234,14 +234,14 @@ impl Spec {
     }
 }
 
-fn pair(before: &[(f64, f64)], after: &[(f64, f64)], factor: f64) -> Vec<Line> {
+fn pair(before: &[(f64, f64)], after: &[(f64, f64)], factor: f64) -> Vec<ChartLine> {
     let both = [
         (Ink::Before, "before", before),
         (Ink::After, "after", after),
     ];
     let there = both.into_iter().filter(|(_, _, points)| !points.is_empty());
     there
-        .map(|(ink, name, points)| Line {
+        .map(|(ink, name, points)| ChartLine {
             ink,
             name,
             points: points.iter().map(|(t, y)| (*t, factor * y)).collect(),
@@ -264,7 +264,7 @@ fn motion(own: &Figures, run: usize) -> Vec<Spec> {
                 .map(|(title, unit, points)| Spec {
                     title: title.to_owned(),
                     unit,
-                    lines: vec![Line {
+                    lines: vec![ChartLine {
                         ink: Ink::Context,
                         name: "",
                         points,

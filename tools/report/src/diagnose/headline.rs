@@ -7,13 +7,13 @@ use crate::effect_words::{Shown, driver, shown};
 use crate::parts::{fixed, short, with_unit};
 
 /// Parameters of a finding in words, and of all findings that are told together with it.
-struct Told<'a> {
+struct SaidFindings<'a> {
     finding: &'a Finding,
     all: &'a [&'a Finding],
     model: Option<&'a RobotModel>,
 }
 
-impl Told<'_> {
+impl SaidFindings<'_> {
     fn get(&self, name: &str) -> Option<Shown> {
         let own = self.finding.parameters.iter().find(|p| p.name == name)?;
         shown(&self.finding.effect, own, self.model)
@@ -62,7 +62,7 @@ pub fn headline(all: &[&Finding], model: Option<&RobotModel>) -> String {
     let [finding, ..] = all else {
         return String::new();
     };
-    let told = Told {
+    let told = SaidFindings {
         finding,
         all,
         model,
@@ -87,7 +87,7 @@ fn range(sizes: impl Iterator<Item = f64>, written: impl Fn(f64) -> String) -> S
 }
 
 /// What acts between robot and floor.
-fn of_force(told: &Told<'_>) -> Option<String> {
+fn of_force(told: &SaidFindings<'_>) -> Option<String> {
     let text = |name: &str| told.text(name);
     Some(match told.finding.effect.as_str() {
         "wheel_slip" => format!("the wheels slip: friction is {}", text("friction_kinetic")),
@@ -124,7 +124,7 @@ fn of_force(told: &Told<'_>) -> Option<String> {
 }
 
 /// What acts between command and wheel.
-fn of_drive(told: &Told<'_>) -> Option<String> {
+fn of_drive(told: &SaidFindings<'_>) -> Option<String> {
     let text = |name: &str| told.text(name);
     Some(match told.finding.effect.as_str() {
         "axle_friction" => format!("each axle has a friction of {}", text("torque_nm")),
@@ -151,7 +151,7 @@ fn of_drive(told: &Told<'_>) -> Option<String> {
 }
 
 /// What belongs to geometry, sensors, clocks and messages.
-fn of_sensor(told: &Told<'_>) -> Option<String> {
+fn of_sensor(told: &SaidFindings<'_>) -> Option<String> {
     let finding = told.finding;
     Some(match finding.effect.as_str() {
         "wheel_radius" => radii("the wheels are", "wheel", "smaller", "larger", finding),

@@ -20,14 +20,14 @@ pub struct Frame {
     back: String,
     marks: String,
     spans: Vec<(Option<usize>, [f64; 2])>,
-    labels: Vec<Label>,
+    labels: Vec<ChartLabel>,
     is_linked: bool,
     has_y: bool,
 }
 
 /// Words in a chart.
 #[derive(Debug, Clone)]
-struct Label {
+struct ChartLabel {
     at: [f64; 2],
     text: String,
     ink: Ink,
@@ -189,7 +189,7 @@ impl Frame {
     pub fn label(mut self, ink: Ink, at: [f64; 2], text: impl Into<String>) -> Self {
         let place = self.x.place(at[0]);
         let class = if place > 0.75 { "dl r" } else { "dl" };
-        self.labels.push(Label {
+        self.labels.push(ChartLabel {
             at,
             text: text.into(),
             ink,

@@ -36,7 +36,7 @@ pub(super) fn outline(
     gap: f64,
 ) -> String {
     let mut pen = Pen::default();
-    let mut column = Column::default();
+    let mut column = PixelColumn::default();
     let mut last_x = f64::NEG_INFINITY;
     for (own_x, own_y) in points {
         if !own_x.is_finite() || !own_y.is_finite() {
@@ -127,12 +127,12 @@ pub(super) fn area(low: &[(f64, f64)], high: &[(f64, f64)], x: &Scale, y: &Scale
 
 /// What is kept of the points of a column.
 #[derive(Default)]
-struct Column {
+struct PixelColumn {
     number: Option<f64>,
     points: Vec<[f64; 2]>,
 }
 
-impl Column {
+impl PixelColumn {
     fn add(&mut self, at: [f64; 2]) {
         // first, lowest, highest, last: a fifth point replaces what is no longer extreme
         self.points.push(at);

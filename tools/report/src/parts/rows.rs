@@ -26,13 +26,13 @@ pub struct Row {
     title: String,
     unit: String,
     frame: Frame,
-    read: Vec<Reading>,
+    read: Vec<CursorReading>,
     legend: Vec<(Ink, String)>,
 }
 
 /// A line that the cursor reads.
 #[derive(Debug, Clone)]
-struct Reading {
+struct CursorReading {
     ink: Ink,
     name: String,
     points: Vec<(f64, f64)>,
@@ -68,7 +68,7 @@ impl Row {
         points: &[(f64, f64)],
         digits: usize,
     ) -> Self {
-        self.read.push(Reading {
+        self.read.push(CursorReading {
             ink,
             name: name.into(),
             points: points.to_vec(),

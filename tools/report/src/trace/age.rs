@@ -21,7 +21,7 @@ pub(super) fn ages(reading: &Reading) -> Markup {
     let Some(first) = followers.first() else {
         return html! { p class="sub" { "No robot uses the position of another." } };
     };
-    let round = Round::of(first);
+    let round = NewerPosition::of(first);
     let [low, high] = round.window_s();
     let shown = |own: &AgeLine| -> Points {
         let inside = own.points.iter().filter(|(t, _)| (low..=high).contains(t));
@@ -59,13 +59,13 @@ pub(super) fn ages(reading: &Reading) -> Markup {
 }
 
 /// How often a newer position comes.
-struct Round {
+struct NewerPosition {
     begin_s: f64,
     length_s: f64,
     tick_s: f64,
 }
 
-impl Round {
+impl NewerPosition {
     /// The rounds of a follower: from one newer position to the next, in the median.
     fn of(line: &AgeLine) -> Self {
         let pairs = || line.points.windows(2);

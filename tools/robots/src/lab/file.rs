@@ -102,14 +102,14 @@ fn parse(path: &Path, text: &str) -> Result<Lab, InputError> {
 const PROTECTION: &str = "give tls = \"FOLDER\" with certificates of slipstream keys, or insecure = true in a network that you trust";
 
 /// Why a robot cannot be used: key, problem, remedy.
-type Problem = (&'static str, String, &'static str);
+type RobotProblem = (&'static str, String, &'static str);
 
 fn robot(
     file: &keys::File,
     folder: &Path,
     name: &str,
     own: &keys::Robot,
-) -> Result<LabRobot, Problem> {
+) -> Result<LabRobot, RobotProblem> {
     let missing = |key, remedy| (key, "is missing".to_owned(), remedy);
     let address = own.connect.as_ref().or(file.connect.as_ref());
     let address = address.ok_or_else(|| {
@@ -143,12 +143,15 @@ fn robot(
     let beside = own.odometry.as_ref().filter(|_| own.wheels.is_some());
     let recorded =
         |key, own: Option<&keys::Topic>| own.map(|own| topic(key, &own.topic)).transpose();
-    let pose = own.pose.as_ref().map(|pose| -> Result<PoseTopic, Problem> {
-        Ok(PoseTopic {
-            topic: topic("pose.topic", &pose.topic)?,
-            is_axle: pose.point == Point::Axle,
-        })
-    });
+    let pose = own
+        .pose
+        .as_ref()
+        .map(|pose| -> Result<PoseTopic, RobotProblem> {
+            Ok(PoseTopic {
+                topic: topic("pose.topic", &pose.topic)?,
+                is_axle: pose.point == Point::Axle,
+            })
+        });
     if own
         .start
         .is_some_and(|start| !start.iter().all(|own| own.is_finite()))
@@ -177,7 +180,7 @@ fn robot(
 }
 
 /// What a topic of commands takes.
-fn message(own: &keys::Command) -> Result<CommandMessage, Problem> {
+fn message(own: &keys::Command) -> Result<CommandMessage, RobotProblem> {
     let takes_efforts = own.message == MessageName::Float64MultiArray;
     match (own.order, own.torque_nm) {
         (Some(order), Some(torque_nm)) if takes_efforts => {
@@ -218,7 +221,7 @@ fn message(own: &keys::Command) -> Result<CommandMessage, Problem> {
 }
 
 /// A topic without the leading `/`. It is part of a key, where other characters have a meaning.
-fn topic(key: &'static str, text: &str) -> Result<String, Problem> {
+fn topic(key: &'static str, text: &str) -> Result<String, RobotProblem> {
     let bare = text.strip_prefix('/').unwrap_or(text);
     let is_plain = |own: char| own.is_ascii_alphanumeric() || own == '_' || own == '/';
     let is_topic = !bare.is_empty() && !bare.contains("//") && !bare.ends_with('/');

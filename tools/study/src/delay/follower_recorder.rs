@@ -27,11 +27,11 @@ pub struct FollowerTick {
 pub struct FollowerRecorder {
     start_ns: i64,
     spacing_m: f64,
-    robots: Vec<Robot>,
+    robots: Vec<RecordedFollower>,
 }
 
 #[derive(Debug, Default)]
-struct Robot {
+struct RecordedFollower {
     /// Reference for its follower at its own outer ticks: time (s), x_r (m), v_r (m/s).
     references: Vec<[f64; 3]>,
     /// When the position in each of its messages was sampled (ns), by sequence number.
@@ -49,7 +49,11 @@ impl FollowerRecorder {
         Self {
             start_ns: ns_from_s(formation.start_s),
             spacing_m: formation.spacing_m,
-            robots: experiment.robots.iter().map(|_| Robot::default()).collect(),
+            robots: experiment
+                .robots
+                .iter()
+                .map(|_| RecordedFollower::default())
+                .collect(),
         }
     }
 
@@ -113,7 +117,7 @@ impl FollowerRecorder {
     }
 }
 
-impl Robot {
+impl RecordedFollower {
     /// x_r (m) and v_r (m/s) for its follower at a time, interpolated linearly between its outer ticks.
     fn reference_at(&self, t_s: f64) -> [f64; 2] {
         let after = self.references.partition_point(|&[t, ..]| t <= t_s);

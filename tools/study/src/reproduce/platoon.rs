@@ -107,7 +107,7 @@ fn gaps(run: &RecordedRun, printed: &Finals, which: &str) -> Vec<Row> {
 }
 
 /// A claim of the paper that a number is smaller with the torque limit.
-struct Claim {
+struct LimitClaim {
     quantity: &'static str,
     source: &'static str,
     /// What the number is, with its unit.
@@ -117,7 +117,7 @@ struct Claim {
 
 /// The claims about the torque limit: each holds if its number is smaller with the limit.
 fn claims(runs: &[RecordedRun; 2]) -> Vec<Row> {
-    let row = |claim: Claim| {
+    let row = |claim: LimitClaim| {
         let [without, with] = runs.each_ref().map(claim.number);
         Row::claim(claim.quantity, claim.source, with / without, with < without)
             .note(format!(
@@ -135,27 +135,27 @@ fn mean_gap_m(run: &RecordedRun, axis: usize) -> f64 {
     gaps.sum::<f64>() / f64::from(run.robots())
 }
 
-fn claims_of_paper(runs: &[RecordedRun; 2]) -> [Claim; 6] {
+fn claims_of_paper(runs: &[RecordedRun; 2]) -> [LimitClaim; 6] {
     [
-        Claim {
+        LimitClaim {
             quantity: "encoder_gap_with_over_without_limit",
             source: "\"errors in both x and y are much smaller\", section 4",
             meaning: "encoder against truth, mean (m)".to_owned(),
             number: |run| mean_gap_m(run, 0),
         },
-        Claim {
+        LimitClaim {
             quantity: "final_spacing_error_with_over_without_limit",
             source: SPACINGS,
             meaning: "largest true spacing error at the end (m)".to_owned(),
             number: RecordedRun::final_spacing_error_m,
         },
-        Claim {
+        LimitClaim {
             quantity: "rms_spacing_error_with_over_without_limit",
             source: SPACINGS,
             meaning: "root mean square of the true spacing errors from 3 s on (m)".to_owned(),
             number: RecordedRun::rms_spacing_error_m,
         },
-        Claim {
+        LimitClaim {
             quantity: "max_spacing_error_with_over_without_limit",
             source: SPACINGS,
             meaning: format!(
@@ -166,14 +166,14 @@ fn claims_of_paper(runs: &[RecordedRun; 2]) -> [Claim; 6] {
             ),
             number: RecordedRun::max_spacing_error_m,
         },
-        Claim {
+        LimitClaim {
             quantity: "roughness_of_x_with_over_without_limit",
             source: "\"the positions change more smoothly\", Fig. 9 and 10",
             meaning: "root mean square jerk of x by odometry over the outer ticks (m/s³)"
                 .to_owned(),
             number: RecordedRun::roughness_m_s3,
         },
-        Claim {
+        LimitClaim {
             quantity: "slip_time_with_over_without_limit",
             source: "\"wheel slip is avoided\", section 4",
             meaning: "all robots, both wheels together (s)".to_owned(),

@@ -172,7 +172,7 @@ impl Physics {
 
     /// Adds an effect.
     fn add(&mut self, effect: &EffectSpec) -> Result<(), String> {
-        let values = Values(effect);
+        let values = EffectValues(effect);
         if self.add_resistance(&values)? || self.add_drive(&values)? || self.add_body(&values)? {
             return Ok(());
         }
@@ -184,7 +184,7 @@ impl Physics {
     }
 
     /// Adds an effect of friction or drag; false if it is another one.
-    fn add_resistance(&mut self, values: &Values<'_>) -> Result<bool, String> {
+    fn add_resistance(&mut self, values: &EffectValues<'_>) -> Result<bool, String> {
         let number = |name: &str| values.number(name);
         match values.id() {
             "wheel_slip" => {
@@ -207,7 +207,7 @@ impl Physics {
     }
 
     /// Adds an effect of the drive; false if it is another one.
-    fn add_drive(&mut self, values: &Values<'_>) -> Result<bool, String> {
+    fn add_drive(&mut self, values: &EffectValues<'_>) -> Result<bool, String> {
         let number = |name: &str| values.number(name);
         let torque_and_speed = |absent: f64| {
             ["torque_nm", "speed_rad_s"].map(|name| values.optional(name).unwrap_or(absent))
@@ -231,7 +231,7 @@ impl Physics {
     }
 
     /// Adds an effect of geometry, masses or external forces; false if it is another one.
-    fn add_body(&mut self, values: &Values<'_>) -> Result<bool, String> {
+    fn add_body(&mut self, values: &EffectValues<'_>) -> Result<bool, String> {
         let number = |name: &str| values.number(name);
         match values.id() {
             "load_transfer" => self.transfer_height = number("com_height_m")?,
@@ -275,9 +275,9 @@ impl Physics {
 }
 
 /// The parameters of an effect.
-struct Values<'a>(&'a EffectSpec);
+struct EffectValues<'a>(&'a EffectSpec);
 
-impl Values<'_> {
+impl EffectValues<'_> {
     fn id(&self) -> &str {
         &self.0.effect
     }

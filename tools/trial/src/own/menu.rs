@@ -29,10 +29,10 @@ pub(super) fn changes(robot: &Robot, model: &RobotModel) -> Vec<Change> {
     each.collect()
 }
 
-type Kind = Box<dyn Fn(f64) -> Change>;
+type ChangeKind = Box<dyn Fn(f64) -> Change>;
 
-fn kinds(robot: &Robot, model: &RobotModel) -> Vec<Kind> {
-    let mut kinds: Vec<Kind> = Vec::new();
+fn kinds(robot: &Robot, model: &RobotModel) -> Vec<ChangeKind> {
+    let mut kinds: Vec<ChangeKind> = Vec::new();
     let wheels = robot.wheels.is_some();
     let speeds = robot.command.as_ref().is_some_and(|own| {
         matches!(

@@ -29,9 +29,9 @@ pub fn changed_since(
 }
 
 /// The times of each stream of a robot before anything moved them.
-type Times = [Vec<f64>; 6];
+type StreamTimes = [Vec<f64>; 6];
 
-fn robot_times(robot: &Robot) -> Times {
+fn robot_times(robot: &Robot) -> StreamTimes {
     let of = |own: Option<&Vec<f64>>| own.cloned().unwrap_or_default();
     [
         of(robot.command.as_ref().map(|own| &own.t_s)),

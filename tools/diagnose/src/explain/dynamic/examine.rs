@@ -71,13 +71,13 @@ pub(crate) fn examine(
 }
 
 /// A machine, what it is predicted by, and what was found on it.
-struct Found {
+struct FoundOnMachine {
     predictor: Predictor,
     judged: Judged,
     predictions: Predictions,
 }
 
-impl Found {
+impl FoundOnMachine {
     /// An effect that predicts worse.
     fn culprit(&self) -> Option<Culprit> {
         let worth = || prediction::worth(&self.predictor, &self.judged.selected.fit);
@@ -112,7 +112,7 @@ fn looked_for(
     runs: &Runs<'_>,
     before: Option<&Runs<'_>>,
     progress: &(dyn Fn(&str) + Sync),
-) -> Result<Found, InputError> {
+) -> Result<FoundOnMachine, InputError> {
     let mut predictor = Predictor::new(request, runs)?;
     let unusable = || unusable(&runs[0].1.name);
     let (judged, other) = match before {
@@ -136,7 +136,7 @@ fn looked_for(
         let scores = other.scores(&other.windows, &[]);
         predictions.expect_as(&Score::of_all(&scores), !fit.hypotheses.is_empty());
     }
-    Ok(Found {
+    Ok(FoundOnMachine {
         predictor,
         judged,
         predictions,
@@ -144,7 +144,7 @@ fn looked_for(
 }
 
 /// Adds what was found to the answer.
-fn add(found: &Found, before: Option<&Runs<'_>>, collected: &mut Collected) {
+fn add(found: &FoundOnMachine, before: Option<&Runs<'_>>, collected: &mut Collected) {
     let Judged {
         machine, selected, ..
     } = &found.judged;
@@ -173,7 +173,11 @@ fn add(found: &Found, before: Option<&Runs<'_>>, collected: &mut Collected) {
 }
 
 /// The figures of a machine whose findings are the last of the answer.
-fn illustrated(found: &Found, collected: &Collected, progress: &(dyn Fn(&str) + Sync)) -> Figures {
+fn illustrated(
+    found: &FoundOnMachine,
+    collected: &Collected,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Figures {
     progress("figures");
     let Judged {
         machine,

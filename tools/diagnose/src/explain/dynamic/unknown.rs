@@ -57,7 +57,7 @@ pub(crate) struct Unknown {
 }
 
 /// A driver with the factors of its functions.
-struct Fitted<'a> {
+struct FittedDriver<'a> {
     driver: &'a Driver,
     factors: Vec<f64>,
     /// Deviations of the factors.
@@ -86,7 +86,7 @@ impl Beside<'_> {
     pub(crate) fn unknown(&self, due: f64) -> Option<Unknown> {
         let moments = self.machine.moments(self.fit)?;
         let drivers = self.machine.drivers(&moments);
-        let mut fitted: Vec<Fitted<'_>> = drivers
+        let mut fitted: Vec<FittedDriver<'_>> = drivers
             .par_iter()
             .filter_map(|driver| self.machine.linear(self.fit, driver))
             .collect();
@@ -107,7 +107,7 @@ impl Beside<'_> {
     }
 
     /// A force with its own noise; linearised again while that gains.
-    fn refitted(&self, own: &Fitted<'_>) -> Option<Unknown> {
+    fn refitted(&self, own: &FittedDriver<'_>) -> Option<Unknown> {
         let mut factors = own.factors.clone();
         let mut under = self.under(self.at, own.driver, &factors)?;
         let gain = self.fit.deviance - under.fit.deviance;
@@ -170,7 +170,7 @@ impl Beside<'_> {
 
 impl Machine {
     /// The factors that fit best, were the innovations linear in them.
-    fn linear<'a>(&self, fit: &Filtered, driver: &'a Driver) -> Option<Fitted<'a>> {
+    fn linear<'a>(&self, fit: &Filtered, driver: &'a Driver) -> Option<FittedDriver<'a>> {
         let count = driver.functions.len();
         let mut all: Vec<Vec<f64>> = vec![Vec::with_capacity(self.channels.len()); count];
         for (run, pass) in fit.passes.iter().enumerate() {
@@ -204,7 +204,7 @@ impl Machine {
         let factors = -factor.solve(&gradient);
         let gain = -factors.dot(&gradient);
         let deviations = factor.inverse().diagonal().map(f64::sqrt);
-        Some(Fitted {
+        Some(FittedDriver {
             driver,
             deviations: deviations.iter().copied().collect(),
             factors: factors.iter().copied().collect(),

@@ -20,13 +20,13 @@ pub(crate) struct Impulse {
 const SHORTEST_S: f64 = 3e-3;
 
 /// What all later rows say of a change of the state.
-struct Later {
+struct LaterRows {
     information: Matrix,
     score: Vector,
 }
 
 /// One row with what it would say of a change of the state before it.
-struct Seen<'a> {
+struct SeenRow<'a> {
     row: &'a Passed,
     gain: &'a Gain,
     /// Weighted, whitened innovation.
@@ -46,7 +46,7 @@ pub(crate) fn impulses(
     weights: &[f64],
     com_to_axle_m: f64,
 ) -> Vec<Impulse> {
-    let mut later = Later {
+    let mut later = LaterRows {
         information: [[0.0; N]; N],
         score: [0.0; N],
     };
@@ -54,7 +54,7 @@ pub(crate) fn impulses(
     for (place, row) in pass.rows.iter().enumerate().rev() {
         let at = 3 * row.row;
         let gain = &pass.gains[row.row];
-        let seen = Seen::new(row, gain, &whitened[at..at + 3], &weights[at..at + 3]);
+        let seen = SeenRow::new(row, gain, &whitened[at..at + 3], &weights[at..at + 3]);
         let since_s = place
             .checked_sub(1)
             .map_or(row.true_s, |before| pass.rows[before].true_s);
@@ -67,7 +67,7 @@ pub(crate) fn impulses(
     out
 }
 
-impl<'a> Seen<'a> {
+impl<'a> SeenRow<'a> {
     fn new(row: &'a Passed, gain: &'a Gain, whitened: &[f64], weights: &[f64]) -> Self {
         let derivatives = std::array::from_fn(|a| {
             std::array::from_fn(|j| {
@@ -110,7 +110,12 @@ impl<'a> Seen<'a> {
     }
 
     /// The impulse in the interval before the row that gains most.
-    fn impulse(&self, later: &Later, [since_s, over_s]: [f64; 2], lever: f64) -> Option<Impulse> {
+    fn impulse(
+        &self,
+        later: &LaterRows,
+        [since_s, over_s]: [f64; 2],
+        lever: f64,
+    ) -> Option<Impulse> {
         let columns = [
             self.column(DISTURBED, 1.0),
             self.column(DISTURBED + 1, lever),
@@ -140,9 +145,9 @@ impl<'a> Seen<'a> {
     }
 }
 
-impl Later {
+impl LaterRows {
     /// What all rows from this one on say of a change of the state before it.
-    fn before(&self, seen: &Seen<'_>) -> Self {
+    fn before(&self, seen: &SeenRow<'_>) -> Self {
         // information times A
         let mut half = [[0.0; N]; N];
         for (line, information) in half.iter_mut().zip(&self.information) {

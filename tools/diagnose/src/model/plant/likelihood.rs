@@ -44,7 +44,7 @@ pub(crate) struct Plant<'a> {
 type Kept = (Vec<f64>, Option<Arc<Filtered>>);
 
 /// Derivatives by one parameter.
-struct Column {
+struct DerivativeColumn {
     /// Of the log-likelihood of each block.
     score: Vec<f64>,
     /// Whitened, row after row: [`WIDTH`] numbers each, three where only the innovation moves.
@@ -129,7 +129,13 @@ impl<'a> Plant<'a> {
     }
 
     /// By a parameter of an effect, at the gains of `base`; `here` are the innovations at `at`.
-    fn by_effect(&self, base: &Filtered, here: &[f64], at: &[f64], index: usize) -> Column {
+    fn by_effect(
+        &self,
+        base: &Filtered,
+        here: &[f64],
+        at: &[f64],
+        index: usize,
+    ) -> DerivativeColumn {
         let precisions = precisions(here, &self.machine.channels);
         let slopes = |step: f64| {
             let moved = |step: f64| {
@@ -162,7 +168,7 @@ impl<'a> Plant<'a> {
         for (((slope, e), p), block) in rows.zip(precisions.chunks(3)).zip(&self.block_of) {
             score[*block] -= (0..3).map(|i| slope[i] * e[i] * p[i].sqrt()).sum::<f64>();
         }
-        Column {
+        DerivativeColumn {
             score,
             whitened,
             width: 3,
@@ -170,7 +176,7 @@ impl<'a> Plant<'a> {
     }
 
     /// Score and information of each block, of these derivatives.
-    fn summed(&self, columns: &[Column]) -> Vec<BlockScore> {
+    fn summed(&self, columns: &[DerivativeColumn]) -> Vec<BlockScore> {
         let mut out = empty(self.blocks(), columns.len());
         for (i, column) in columns.iter().enumerate() {
             for (block, own) in out.iter_mut().zip(&column.score) {
@@ -194,7 +200,7 @@ impl<'a> Plant<'a> {
     }
 
     /// By a noise parameter.
-    fn by_noise(&self, base: &Filtered, at: &[f64], index: usize) -> Column {
+    fn by_noise(&self, base: &Filtered, at: &[f64], index: usize) -> DerivativeColumn {
         let precisions = precisions(&base.whitened, &self.machine.channels);
         let mut moved = at.to_vec();
         moved[index] += NOISE_STEP;
@@ -204,7 +210,7 @@ impl<'a> Plant<'a> {
         let mut place = 0;
         if noise == base.noise {
             whitened.resize(3 * base.whitened.len(), 0.0);
-            return Column {
+            return DerivativeColumn {
                 score,
                 whitened,
                 width: WIDTH,
@@ -232,7 +238,7 @@ impl<'a> Plant<'a> {
                 place += 1;
             }
         }
-        Column {
+        DerivativeColumn {
             score,
             whitened,
             width: WIDTH,
@@ -320,7 +326,7 @@ impl Likelihood for Plant<'_> {
                 self.by_effect(&base, &base.whitened, at, *index)
             }
         });
-        self.summed(&columns.collect::<Vec<Column>>())
+        self.summed(&columns.collect::<Vec<DerivativeColumn>>())
     }
 }
 
@@ -355,7 +361,8 @@ impl Likelihood for AtGains<'_> {
         };
         let columns = free.par_iter();
         let columns = columns.map(|index| self.plant.by_effect(self.base, &here, at, *index));
-        self.plant.summed(&columns.collect::<Vec<Column>>())
+        self.plant
+            .summed(&columns.collect::<Vec<DerivativeColumn>>())
     }
 }
 

@@ -26,7 +26,7 @@ const CLEARLY: f64 = 1.8;
 
 /// A message that arrived.
 #[derive(Debug, Clone, Copy)]
-struct Heard {
+struct ArrivedMessage {
     t_sent_s: f64,
     delay_s: f64,
     score: f64,
@@ -57,7 +57,7 @@ pub(super) struct Said {
 pub(super) struct Delays {
     of_baseline: Usual,
     usual: Usual,
-    heard: VecDeque<Heard>,
+    heard: VecDeque<ArrivedMessage>,
     raised: Option<Raised>,
     next_s: f64,
     /// What a factor has to reach (nats).
@@ -85,12 +85,12 @@ impl Delays {
     /// Hears a message; what is said of it.
     pub(super) fn hear(&mut self, t_sent_s: f64, delay_s: f64) -> Option<Said> {
         let score = self.usual.score(delay_s);
-        self.heard.push_back(Heard {
+        self.heard.push_back(ArrivedMessage {
             t_sent_s,
             delay_s,
             score,
         });
-        let is_old = |own: &Heard| own.t_sent_s < t_sent_s - KEPT_S;
+        let is_old = |own: &ArrivedMessage| own.t_sent_s < t_sent_s - KEPT_S;
         while self.heard.len() > MOST_KEPT || self.heard.front().is_some_and(is_old) {
             self.heard.pop_front();
         }

@@ -7,7 +7,7 @@ use crate::sides::{Side, side_of};
 use crate::table::StreamKind;
 
 /// A column with a quantity of a joint.
-struct Joint {
+struct JointColumn {
     index: usize,
     /// Name of the joint, or of the column with it.
     name: String,
@@ -20,14 +20,15 @@ pub(super) fn guess(
     time_of: impl Fn(&[String]) -> Option<TimeEntry>,
 ) -> Option<Guessed> {
     let mut joints = joints(columns);
-    let is_wheel = |joint: &Joint| joint.name.to_lowercase().contains("wheel");
+    let is_wheel = |joint: &JointColumn| joint.name.to_lowercase().contains("wheel");
     // Of an arm's joints and wheels, the wheels.
     if joints.iter().any(is_wheel) {
         joints.retain(is_wheel);
     }
     let of_sides = |is_angle: bool| {
         let sides = Side::BOTH.map(|side| {
-            let is_it = |own: &&Joint| own.is_angle == is_angle && side_of(&own.name) == Some(side);
+            let is_it =
+                |own: &&JointColumn| own.is_angle == is_angle && side_of(&own.name) == Some(side);
             joints.iter().filter(is_it).map(|own| own.index).collect()
         });
         let has_both = sides.iter().all(|side: &Vec<usize>| !side.is_empty());
@@ -61,13 +62,13 @@ pub(super) fn guess(
 }
 
 /// The columns of joints, by the names of columns.
-fn joints(columns: &Columns<'_>) -> Vec<Joint> {
+fn joints(columns: &Columns<'_>) -> Vec<JointColumn> {
     let names = columns.words.iter().enumerate();
     let joints = names.filter_map(|(index, words)| {
         let column = columns.name(index);
         let last = words.last()?;
         if last == "position" || last == "velocity" {
-            return Some(Joint {
+            return Some(JointColumn {
                 index,
                 name: words.join("_"),
                 is_angle: last == "position",
@@ -89,7 +90,7 @@ fn joints(columns: &Columns<'_>) -> Vec<Joint> {
             .find(has_name)
             .filter(|_| is_number)?;
         let name = columns.cells(name).next()?.clone();
-        Some(Joint {
+        Some(JointColumn {
             index,
             name,
             is_angle,

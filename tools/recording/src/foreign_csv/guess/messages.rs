@@ -16,7 +16,7 @@ const NOT_MEASURED: [&str; 4] = ["goal", "target", "waypoint", "initialpose"];
 const NESTED: [&str; 3] = ["pose", "twist", "transform"];
 
 /// One message of a file: the words before its fields, and where they are.
-struct Message<'a> {
+struct MessageWords<'a> {
     columns: &'a Columns<'a>,
     prefix: Vec<String>,
     /// The words of the file's name.
@@ -25,10 +25,10 @@ struct Message<'a> {
 
 /// The streams of the messages. `file` is the file's name, which may tell what they are.
 pub(super) fn guess(columns: &Columns<'_>, file: &str) -> Vec<Guessed> {
-    let mut messages: Vec<Message<'_>> = Vec::new();
+    let mut messages: Vec<MessageWords<'_>> = Vec::new();
     for prefix in columns.words.iter().filter_map(|name| prefix_of(name)) {
         if messages.iter().all(|message| message.prefix != prefix) {
-            messages.push(Message {
+            messages.push(MessageWords {
                 columns,
                 prefix,
                 file: words(file),
@@ -109,7 +109,7 @@ impl EndsWith for [String] {
     }
 }
 
-impl Message<'_> {
+impl MessageWords<'_> {
     /// The column of a field.
     fn find(&self, field: &str) -> Option<ColumnEntry> {
         let field: Vec<&str> = field.split(' ').collect();

@@ -95,7 +95,7 @@ pub(super) fn guess(columns: &Columns<'_>) -> Vec<Guessed> {
     let Some(time) = stamp.or_else(|| times::of_file(columns)) else {
         return Vec::new();
     };
-    let names = Names(columns);
+    let names = ColumnNames(columns);
     let mut guessed: Vec<Guessed> = names.poses(&time).into_iter().collect();
     guessed.extend(pairs::guess(columns, &time));
     for (kind, set) in &SETS {
@@ -118,9 +118,9 @@ pub(super) fn guess(columns: &Columns<'_>) -> Vec<Guessed> {
 }
 
 /// The names of a file's columns.
-struct Names<'a>(&'a Columns<'a>);
+struct ColumnNames<'a>(&'a Columns<'a>);
 
-impl Names<'_> {
+impl ColumnNames<'_> {
     /// The column that one of these names means.
     fn find(&self, wanted: &str, dimension: Dimension) -> Option<ColumnEntry> {
         wanted.split(" or ").find_map(|wanted| {

@@ -9,7 +9,7 @@ use crate::sides::{Side, side_of};
 use crate::table::StreamKind;
 
 /// What the columns of two sides can be: the words of it, of which a name has at least one.
-struct Quantity {
+struct PairQuantity {
     kind: StreamKind,
     /// Right and left.
     columns: [&'static str; 2],
@@ -23,8 +23,8 @@ const FILLERS: [&str; 10] = [
     "wheel", "wheels", "motor", "drive", "measured", "actual", "raw", "count", "odom", "state",
 ];
 
-const QUANTITIES: [Quantity; 7] = [
-    Quantity {
+const QUANTITIES: [PairQuantity; 7] = [
+    PairQuantity {
         kind: StreamKind::Wheels,
         columns: ["ticks_right", "ticks_left"],
         words: &[
@@ -32,37 +32,37 @@ const QUANTITIES: [Quantity; 7] = [
         ],
         is_command: Some(false),
     },
-    Quantity {
+    PairQuantity {
         kind: StreamKind::Wheels,
         columns: ["angle_right_rad", "angle_left_rad"],
         words: &["angle", "pos", "position", "phi", "wheel"],
         is_command: Some(false),
     },
-    Quantity {
+    PairQuantity {
         kind: StreamKind::Wheels,
         columns: ["speed_right_rad_s", "speed_left_rad_s"],
         words: &["speed", "vel", "velocity", "omega", "w"],
         is_command: Some(false),
     },
-    Quantity {
+    PairQuantity {
         kind: StreamKind::Command,
         columns: ["speed_right_rad_s", "speed_left_rad_s"],
         words: &["speed", "vel", "velocity", "omega", "w"],
         is_command: Some(true),
     },
-    Quantity {
+    PairQuantity {
         kind: StreamKind::Command,
         columns: ["voltage_right_v", "voltage_left_v"],
         words: &["voltage", "volts", "u"],
         is_command: None,
     },
-    Quantity {
+    PairQuantity {
         kind: StreamKind::Command,
         columns: ["torque_right_nm", "torque_left_nm"],
         words: &["torque", "tau"],
         is_command: None,
     },
-    Quantity {
+    PairQuantity {
         kind: StreamKind::Motor,
         columns: ["current_right_a", "current_left_a"],
         words: &["current", "i", "amps"],
@@ -94,7 +94,7 @@ pub(super) fn guess(columns: &Columns<'_>, time: &TimeEntry) -> Vec<Guessed> {
     guessed
 }
 
-impl Quantity {
+impl PairQuantity {
     /// The columns of one side.
     fn of_side(&self, columns: &Columns<'_>, side: Side) -> Vec<ColumnEntry> {
         let names = columns.words.iter().enumerate();

@@ -20,7 +20,7 @@ pub(super) fn guess(sample: &Sample, file: &str) -> Vec<Guessed> {
         return Vec::new();
     };
     let numbers: Vec<Option<f64>> = row.iter().map(|cell| cell.parse().ok()).collect();
-    let rows = Rows(sample);
+    let rows = UnnamedRows(sample);
     match numbers.as_slice() {
         [Some(_), Some(_), Some(_), Some(_), quaternion @ ..] if is_unit(quaternion) => {
             let times = sample.rows.iter().filter_map(|row| row.first());
@@ -58,9 +58,9 @@ fn is_stamp(s: f64, ns: f64) -> bool {
 }
 
 /// Rows without names. Columns are numbered from 1.
-struct Rows<'a>(&'a Sample);
+struct UnnamedRows<'a>(&'a Sample);
 
-impl Rows<'_> {
+impl UnnamedRows<'_> {
     fn at(&self, number: usize) -> ColumnEntry {
         ColumnEntry {
             column: Column::Number(number),

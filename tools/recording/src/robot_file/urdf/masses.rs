@@ -55,7 +55,7 @@ pub(super) fn take(
         return Ok(());
     };
     let caster_x = caster(parts, frames, &wheel_links, described)?;
-    let pair = Pair {
+    let pair = WheelMasses {
         wheels: [right, left],
         masses: [right_mass, left_mass],
     };
@@ -134,12 +134,12 @@ fn inertials(
 }
 
 /// The driven wheels with their masses, right and left.
-struct Pair<'a> {
+struct WheelMasses<'a> {
     wheels: [&'a Wheel<'a>; 2],
     masses: [Inertial; 2],
 }
 
-impl Pair<'_> {
+impl WheelMasses<'_> {
     /// The mean of a quantity.
     fn mean(&self, of: impl Fn(&Wheel<'_>, &Inertial) -> f64) -> f64 {
         let [right, left] = [0, 1].map(|i| of(self.wheels[i], &self.masses[i]));
@@ -150,7 +150,7 @@ impl Pair<'_> {
 /// The values of `[robot]`, and what is missing for a dynamic model.
 fn values(
     body: &Inertial,
-    pair: &Pair<'_>,
+    pair: &WheelMasses<'_>,
     radius_m: f64,
     caster_x: Result<f64, &'static str>,
 ) -> (Vec<Taken>, Option<String>) {
@@ -204,7 +204,7 @@ fn spin(wheel: &Wheel<'_>, own: &Inertial) -> f64 {
 }
 
 /// What the model cannot say of masses.
-fn note_asymmetry(body: &Inertial, pair: &Pair<'_>, described: &mut Described) {
+fn note_asymmetry(body: &Inertial, pair: &WheelMasses<'_>, described: &mut Described) {
     let beside_m = body.centre.y - pair.mean(|wheel, _| wheel.joint_at.y);
     if beside_m.abs() > BESIDE_M {
         let beside = in_words(beside_m);

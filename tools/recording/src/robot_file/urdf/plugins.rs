@@ -36,7 +36,7 @@ pub(super) fn drives(root: Element<'_>, parts: &Parts<'_>) -> Result<Vec<Drive>,
     for hardware in root.below("hardware") {
         let parameters = hardware.all("param").map(|own| {
             let name = own.attribute("name").unwrap_or_default();
-            Parameter {
+            PluginParameter {
                 name,
                 value: own.text(),
                 element: own,
@@ -63,15 +63,15 @@ pub(super) fn parameter_files(root: Element<'_>) -> Vec<&str> {
 }
 
 /// A parameter of a plugin.
-struct Parameter<'a> {
+struct PluginParameter<'a> {
     name: &'a str,
     value: &'a str,
     element: Element<'a>,
 }
 
 /// In plugins, every parameter is an element.
-fn parameter(element: Element<'_>) -> Parameter<'_> {
-    Parameter {
+fn parameter(element: Element<'_>) -> PluginParameter<'_> {
+    PluginParameter {
         name: element.name(),
         value: element.text(),
         element,
@@ -81,10 +81,10 @@ fn parameter(element: Element<'_>) -> Parameter<'_> {
 /// A drive with what its parameters say. The first of several values of one parameter counts, as of several wheel pairs.
 fn with_parameters<'a>(
     mut drive: Drive,
-    parameters: impl Iterator<Item = Parameter<'a>>,
+    parameters: impl Iterator<Item = PluginParameter<'a>>,
     parts: &Parts<'_>,
 ) -> Result<Drive, InputError> {
-    for Parameter {
+    for PluginParameter {
         name,
         value,
         element,

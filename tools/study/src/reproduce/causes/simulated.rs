@@ -10,7 +10,7 @@ use crate::StudyError;
 
 /// Where a robot starts, and where it ends by its encoders and in truth: x (m), y (m).
 #[derive(Debug, Clone, Copy)]
-struct Ends {
+struct StartAndEnds {
     start: [f64; 2],
     encoder: [f64; 2],
     truth: [f64; 2],
@@ -39,7 +39,7 @@ impl Simulation {
     }
 
     /// Where robots end with these causes.
-    fn ends(&self, causes: &[(Candidate, f64)]) -> Result<[[Ends; 3]; 2], StudyError> {
+    fn ends(&self, causes: &[(Candidate, f64)]) -> Result<[[StartAndEnds; 3]; 2], StudyError> {
         let run = |number: usize| {
             let mut experiment = self.experiments[number].clone();
             for (cause, size) in causes {
@@ -57,9 +57,9 @@ impl Simulation {
 }
 
 /// The numbers of robots that end so, as the tape says them with these causes.
-fn numbers(ends: &[[Ends; 3]; 2], causes: &[(Candidate, f64)]) -> Numbers {
+fn numbers(ends: &[[StartAndEnds; 3]; 2], causes: &[(Candidate, f64)]) -> Numbers {
     places().map(|own| {
-        let Ends {
+        let StartAndEnds {
             start,
             encoder,
             truth,
@@ -78,11 +78,11 @@ fn numbers(ends: &[[Ends; 3]; 2], causes: &[(Candidate, f64)]) -> Numbers {
 }
 
 /// Where the three robots start and end.
-fn run(experiment: &Experiment) -> Result<[Ends; 3], StudyError> {
+fn run(experiment: &Experiment) -> Result<[StartAndEnds; 3], StudyError> {
     let reports = in_process::run(experiment, false)?;
     Ok([0, 1, 2].map(|robot| {
         let plane = |[x, y, _]: [f64; 3]| [x, y];
-        Ends {
+        StartAndEnds {
             start: plane(experiment.robots[robot].pose),
             encoder: plane(reports.agents[robot].final_odometry),
             truth: plane(reports.plant.robots[robot].final_true),
@@ -162,7 +162,7 @@ impl Response {
 fn changes(
     simulation: &Simulation,
     kind: Kind,
-    nominal: &[[Ends; 3]; 2],
+    nominal: &[[StartAndEnds; 3]; 2],
 ) -> Result<Vec<Numbers>, StudyError> {
     let before = numbers(nominal, &[]);
     let change = |share: f64| {
