@@ -5,7 +5,7 @@ use super::info::Info;
 use crate::parts::parameters::{Friction, RobotParameters};
 use crate::parts::scalar::{Pair, Scalar};
 
-/// Values of one effect's parameters by name, validated against [`Info::parameters`].
+/// Values of one effect's parameters by name, validated against the parameters of its [`Info`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Values<S> {
     numbers: Vec<(&'static str, S)>,

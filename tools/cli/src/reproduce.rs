@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use slipstream_study::reproduce::{self, Explanation, Row};
+use slipstream_study::reproduce::{self, Explanation, PaperRow};
 
 use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
@@ -102,7 +102,7 @@ fn print_explanation(explanation: &Explanation) {
     print_line!("");
 }
 
-fn format_row(row: &Row) -> String {
+fn format_row(row: &PaperRow) -> String {
     let number = |value: Option<f64>| value.map_or("—".to_owned(), |value| format!("{value:.4}"));
     let agrees = row
         .agrees

@@ -1,13 +1,13 @@
 //! The paper's experiments: expected results, and the completeness of the comparison.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
 
-use slipstream_study::reproduce::{Comparison, Extension, PaperRuns, Row, reproduce};
+use slipstream_study::reproduce::{Comparison, Extension, PaperRow, PaperRuns, reproduce};
 
 #[test]
 fn every_row_is_present_with_a_note() {
     let reproduction = reproduce().unwrap();
     let comparison = &reproduction.comparison;
-    let row = |name: &str| -> &Row {
+    let row = |name: &str| -> &PaperRow {
         let found = comparison.rows.iter().find(|row| row.quantity == name);
         found.unwrap_or_else(|| panic!("no row {name}"))
     };

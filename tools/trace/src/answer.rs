@@ -20,7 +20,7 @@ use crate::uncertainty::Uncertainty;
 
 /// The whole answer.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Answer {
+pub struct LatencyAnswer {
     /// Version of this format.
     pub format: u32,
     /// Every link that a message was sent on.
@@ -174,9 +174,9 @@ pub struct LoopTiming {
 }
 
 /// Computes the answer for a run; `names` by the robots' index.
-pub fn answer(log: &Log, names: &[String]) -> Answer {
+pub fn answer(log: &Log, names: &[String]) -> LatencyAnswer {
     let names = Names(names);
-    Answer {
+    LatencyAnswer {
         format: 1,
         hops: hops(log, &names),
         platoon: platoon(log, &names),

@@ -5,10 +5,10 @@ use slipstream_recording::two_runs::{Both, DelayPercentiles, LinkPair, StagePair
 use crate::answer::{Hop, answer};
 use crate::compare::{HopChange, against};
 use crate::percentiles::Percentiles;
-use crate::read::Reading;
+use crate::read::TraceReading;
 
 /// Median and 95th percentile of every stage in both runs, of the links that are in both.
-pub fn both(real: &Reading, simulated: &Reading) -> Vec<LinkPair> {
+pub fn both(real: &TraceReading, simulated: &TraceReading) -> Vec<LinkPair> {
     // Means are compared by the index of a robot.
     let changes = if real.robots == simulated.robots {
         against(&real.log, &simulated.log, &real.robots)

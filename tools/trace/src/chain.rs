@@ -22,7 +22,7 @@ pub const STAGES: [&str; 7] = [
 
 /// A message and what became of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Message {
+pub struct TracedMessage {
     /// The sender.
     pub from: RobotIndex,
     /// The receiver.
@@ -69,7 +69,7 @@ pub struct Chain {
     pub uncertainty: [Uncertainty; 7],
 }
 
-impl Message {
+impl TracedMessage {
     /// The link it was sent on.
     pub(crate) fn link(&self) -> Link {
         (self.from, self.to)
@@ -105,22 +105,22 @@ pub(crate) fn by_link<T>(items: impl IntoIterator<Item = (Link, T)>) -> BTreeMap
 }
 
 /// Every message of a run, ordered by link and sequence number, with what became of it.
-pub fn follow(log: &Log) -> Vec<Message> {
+pub fn follow(log: &Log) -> Vec<TracedMessage> {
     messages(log).collect()
 }
 
 /// As [`follow`], one after the other.
-pub(crate) fn messages(log: &Log) -> impl Iterator<Item = Message> {
+pub(crate) fn messages(log: &Log) -> impl Iterator<Item = TracedMessage> {
     log.messages().map(|key| message(log, key))
 }
 
-fn message(log: &Log, key: Key) -> Message {
+fn message(log: &Log, key: Key) -> TracedMessage {
     let (from, to, seq) = key;
     let sent = log.sent(key);
     let fate = sent.map_or(Fate::Untold, |sent| fate(log, key, &sent));
     let available_ns = log.arrived(key).flatten();
     let sent_and_available = sent.zip(available_ns);
-    Message {
+    TracedMessage {
         from,
         to,
         seq,

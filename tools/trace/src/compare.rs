@@ -27,12 +27,12 @@ pub struct HopChange {
     /// The receiver.
     pub to: String,
     /// The stages in the order of the chain, then `end_to_end`.
-    pub stages: Vec<Change>,
+    pub stages: Vec<LatencyChange>,
 }
 
 /// One stage of a link in both runs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Change {
+pub struct LatencyChange {
     /// Its name.
     pub stage: Cow<'static, str>,
     /// Its mean in this run (s).
@@ -104,21 +104,21 @@ fn means(log: &Log) -> BTreeMap<Link, Stages<Mean>> {
         .collect()
 }
 
-fn changes(here: &Stages<Mean>, other: &Stages<Mean>) -> Vec<Change> {
+fn changes(here: &Stages<Mean>, other: &Stages<Mean>) -> Vec<LatencyChange> {
     let names = STAGES.into_iter().chain(["end_to_end"]);
     let both = names.zip(here.iter().zip(other));
     both.map(|(stage, (here, other))| change(stage, *here, *other))
         .collect()
 }
 
-fn change(stage: &'static str, this: Mean, other: Mean) -> Change {
+fn change(stage: &'static str, this: Mean, other: Mean) -> LatencyChange {
     let difference_s = this.mean_s - other.mean_s;
     let sampling_s =
         NORMAL_QUANTILE_975 * (this.error_variance_s2 + other.error_variance_s2).sqrt();
     let clocks_s = this.uncertainty.plus(other.uncertainty).seconds();
     let half_s = clocks_s.map(|clocks_s| sampling_s + clocks_s);
     let ci95_s = half_s.map(|half_s| [difference_s - half_s, difference_s + half_s]);
-    Change {
+    LatencyChange {
         stage: stage.into(),
         mean_s: this.mean_s,
         other_mean_s: other.mean_s,

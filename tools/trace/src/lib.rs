@@ -22,16 +22,16 @@ mod uncertain_groups;
 mod uncertainty;
 
 pub use answer::{
-    Age, AgeLine, Answer, Hop, Host, Incomplete, LoopTiming, StageLatency, TopicDelay,
+    Age, AgeLine, Hop, Host, Incomplete, LatencyAnswer, LoopTiming, StageLatency, TopicDelay,
     ages_over_time, answer,
 };
 pub use both::both;
-pub use chain::{Chain, Fate, Message, STAGES, follow};
-pub use compare::{Change, HopChange, against};
+pub use chain::{Chain, Fate, STAGES, TracedMessage, follow};
+pub use compare::{HopChange, LatencyChange, against};
 pub use log::{Log, Note};
 pub use percentiles::Percentiles;
 pub use perfetto::timeline;
-pub use read::{Reading, read};
+pub use read::{TraceReading, read};
 pub use round_trips::{RoundTrips, round_trips};
 pub use step::{Clock, Loop, Step, Topic};
 pub use uncertainty::Uncertainty;

@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use serde_json::{Value, json};
 use slipstream_bus::message::RobotIndex;
 
-use crate::chain::{Chain, Fate, Message, STAGES, messages};
+use crate::chain::{Chain, Fate, STAGES, TracedMessage, messages};
 use crate::log::{Log, Note};
 use crate::names::Names;
 
@@ -142,7 +142,7 @@ fn stages(events: &mut Vec<Value>, id: &str, to: RobotIndex, chain: &Chain) {
 }
 
 /// Arrow: sender's tick → receiver's outer tick → receiver's inner tick → plant step.
-fn arrows(events: &mut Vec<Value>, id: &str, message: &Message, chain: &Chain) {
+fn arrows(events: &mut Vec<Value>, id: &str, message: &TracedMessage, chain: &Chain) {
     let [_, sender, _, _, _, outer, inner, plant] = chain.instants_ns;
     let mut ticks = [
         (track(message.from, OUTER_TID), sender),

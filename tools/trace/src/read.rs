@@ -12,7 +12,7 @@ use crate::step::Step;
 
 /// A recording's trace, and warnings about what could not be read.
 #[derive(Debug, Clone)]
-pub struct Reading {
+pub struct TraceReading {
     /// The robots' names, by their index.
     pub robots: Vec<String>,
     /// The trace.
@@ -21,7 +21,7 @@ pub struct Reading {
     pub warnings: Vec<String>,
 }
 
-impl Reading {
+impl TraceReading {
     /// The name of a robot.
     pub fn name_of(&self, robot: RobotIndex) -> String {
         Names(&self.robots).of(robot)
@@ -32,7 +32,7 @@ impl Reading {
 ///
 /// # Errors
 /// The file cannot be read, is not an MCAP file, or holds no trace in a format known here.
-pub fn read(path: &Path) -> Result<Reading> {
+pub fn read(path: &Path) -> Result<TraceReading> {
     let mut rejected = None;
     let file = read_trace(path, &mut |bytes| match trace::read(bytes, |_| {}) {
         Ok(()) => true,
@@ -68,7 +68,7 @@ pub fn read(path: &Path) -> Result<Reading> {
             path.display()
         )
     });
-    Ok(Reading {
+    Ok(TraceReading {
         warnings: warnings.into_iter().chain(unknown).collect(),
         robots: file.robots,
         log,

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use slipstream_bus::message::RobotIndex;
 
-use crate::chain::{Message, by_link, messages};
+use crate::chain::{TracedMessage, by_link, messages};
 use crate::log::Log;
 
 /// One link's messages as an rtt.csv.
@@ -23,7 +23,7 @@ pub struct RoundTrips {
 /// `links.delay_s=0`.
 pub fn round_trips(log: &Log) -> Vec<RoundTrips> {
     // A message that never reached the link has no delay to replay.
-    let arrived = |message: &Message| {
+    let arrived = |message: &TracedMessage| {
         log.arrived((message.from, message.to, message.seq))
             .is_some()
     };
@@ -38,7 +38,7 @@ pub fn round_trips(log: &Log) -> Vec<RoundTrips> {
         .collect()
 }
 
-fn csv(messages: &[Message]) -> String {
+fn csv(messages: &[TracedMessage]) -> String {
     let mut text = "seq,rtt_ms\n".to_owned();
     for message in messages {
         // Writing to a string cannot fail.

@@ -9,7 +9,8 @@ use std::collections::BTreeMap;
 use chance::Chance;
 use slipstream_bus::record::Fate as LinkFate;
 use slipstream_trace::{
-    Answer, Chain, Clock, Fate, Log, Message, Step, Uncertainty, against, answer, follow, timeline,
+    Chain, Clock, Fate, LatencyAnswer, Log, Step, TracedMessage, Uncertainty, against, answer,
+    follow, timeline,
 };
 
 /// The links: from the plant's host to b, within b, from b to c, and back to the plant's host.
@@ -194,7 +195,7 @@ impl Run {
 }
 
 /// The chain of a message that was used.
-fn chain(message: &Message) -> Chain {
+fn chain(message: &TracedMessage) -> Chain {
     match message.fate {
         Fate::Used(chain) => chain,
         other => panic!("{message:?}: {other:?}"),
@@ -305,12 +306,12 @@ fn the_true_median_is_within_the_uncertainty_of_each_link() {
 fn a_run_on_one_host_has_no_new_keys() {
     let run = Run::new(5, 6);
     let json = |log: &Log| {
-        let answer = Answer {
+        let answer = LatencyAnswer {
             against: Some(against(log, &run.truth, &[])),
             ..answer(log, &[])
         };
         let text = serde_json::to_string(&answer).unwrap();
-        let again: Answer = serde_json::from_str(&text).unwrap();
+        let again: LatencyAnswer = serde_json::from_str(&text).unwrap();
         assert_eq!(again, answer);
         text
     };
@@ -400,7 +401,7 @@ fn what_is_not_recorded_is_not_exact() {
     let found = answer(&log, &[]);
     let text = serde_json::to_string(&found).unwrap();
     assert!(text.contains("\"uncertainty_s\":null"), "{text}");
-    assert_eq!(serde_json::from_str::<Answer>(&text).unwrap(), found);
+    assert_eq!(serde_json::from_str::<LatencyAnswer>(&text).unwrap(), found);
     let c = &found.hosts[1];
     assert_eq!(
         (&*c.host, c.windows, c.error_s, c.offset_s),

@@ -4,7 +4,7 @@ mod chance;
 
 use chance::Chance;
 use slipstream_bus::record::Fate;
-use slipstream_trace::{Answer, Clock, Log, Loop, Step, Topic, against, answer};
+use slipstream_trace::{Clock, LatencyAnswer, Log, Loop, Step, Topic, against, answer};
 
 /// Adds message `seq` from r1 to r2 with stages of random length; some chains end early.
 fn one_message(log: &mut Log, seq: u32, chance: &mut Chance) {
@@ -281,13 +281,13 @@ fn an_answer_is_read_back_from_its_json() {
     };
     let (here, other) = (log(3), log(5));
     let plain = answer(&here, &[]);
-    let compared = Answer {
+    let compared = LatencyAnswer {
         against: Some(against(&here, &other, &[])),
         ..plain.clone()
     };
     for answer in [plain, compared] {
         let text = serde_json::to_string(&answer).unwrap();
-        let again: Answer = serde_json::from_str(&text).unwrap();
+        let again: LatencyAnswer = serde_json::from_str(&text).unwrap();
         assert_eq!(again, answer);
         assert_eq!(serde_json::to_string(&again).unwrap(), text);
     }

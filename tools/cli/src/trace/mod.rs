@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use slipstream_report::trace::Latency;
-use slipstream_trace::Reading;
+use slipstream_trace::TraceReading;
 
 use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
@@ -78,7 +78,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     Ok(Exit::Done)
 }
 
-fn write_round_trips(file: &Path, reading: &Reading) -> Result<(), Error> {
+fn write_round_trips(file: &Path, reading: &TraceReading) -> Result<(), Error> {
     let links = slipstream_trace::round_trips(&reading.log);
     for link in &links {
         let [from, to] = [link.from, link.to].map(|robot| reading.name_of(robot));
@@ -88,7 +88,7 @@ fn write_round_trips(file: &Path, reading: &Reading) -> Result<(), Error> {
     Ok(())
 }
 
-fn read(recording: &Path) -> Result<Reading, Error> {
+fn read(recording: &Path) -> Result<TraceReading, Error> {
     let reading = slipstream_trace::read(recording)?;
     for warning in &reading.warnings {
         note_line!("{warning}");

@@ -4,11 +4,11 @@ use std::fmt::Write as _;
 
 use slipstream_bus::time::s_from_ns;
 use slipstream_trace::{
-    Age, Answer, Hop, HopChange, Host, Incomplete, Percentiles, TopicDelay, Uncertainty,
+    Age, Hop, HopChange, Host, Incomplete, LatencyAnswer, Percentiles, TopicDelay, Uncertainty,
 };
 
 /// The tables of an answer. Writing to a string cannot fail.
-pub(super) fn table(answer: &Answer) -> String {
+pub(super) fn table(answer: &LatencyAnswer) -> String {
     let mut text = String::new();
     for hop in &answer.hops {
         hop_table(&mut text, hop);

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde_json::Value;
-use slipstream_trace::{Message, follow};
+use slipstream_trace::{TracedMessage, follow};
 
 use crate::common::{read_json, run_json, slipstream};
 
@@ -17,7 +17,7 @@ pub(crate) fn traced(folder: &Path, arguments: &[&str]) -> (Value, Value) {
 }
 
 /// All messages of a run in one process.
-pub(crate) fn messages(arguments: &[&str]) -> Vec<Message> {
+pub(crate) fn messages(arguments: &[&str]) -> Vec<TracedMessage> {
     let folder = tempfile::tempdir().unwrap();
     let mut all = vec!["--in-process", "--out", "run.mcap"];
     all.extend(arguments);

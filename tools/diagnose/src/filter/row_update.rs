@@ -1,4 +1,13 @@
 //! Update of a pose by one row under a scale mixture, merged by moments.
+//!
+//! With the difference e of a row, factors q and s of a component on process and sensor, and its probability π:
+//!
+//! ```text
+//! P_c = P + (q_c − 1) Q,   S_c = H P_c Hᵀ + s_c R,   K_c = P_c Hᵀ S_c⁻¹
+//! x_c = x + K_c e,         P_c⁺ = P_c − K_c H P_c
+//! w_c ∝ π_c exp(−½ eᵀ S_c⁻¹ e) / √|2π S_c|
+//! x⁺ = Σ w_c x_c,          P⁺ = Σ w_c (P_c⁺ + (x_c − x⁺)(x_c − x⁺)ᵀ)
+//! ```
 
 use slipstream_sim::Scalar;
 
@@ -67,7 +76,7 @@ impl<'a, S: Scalar> Row<'a, S> {
         }
     }
 
-    /// Covariance of the difference under one component.
+    /// S_c: covariance of the difference under one component.
     pub(super) fn covariance(&self, component: usize) -> Matrix3<S> {
         let extra = PROCESS[component] - 1.0;
         matrix(|i, k| {
@@ -93,7 +102,7 @@ impl<'a, S: Scalar> Row<'a, S> {
 }
 
 impl<S: Scalar> State<S> {
-    /// Updates with one row under every component and merges them by moments. Returns the
+    /// x⁺ and P⁺: updates with one row under every component and merges them by moments. Returns the
     /// log-likelihood of the row and the probability that it is an ordinary one.
     pub(super) fn merge(&mut self, row: &Row<'_, S>, robust: bool) -> (S, f64) {
         let zero = S::constant(0.0);
@@ -137,7 +146,7 @@ impl<S: Scalar> State<S> {
         (log_likelihood, weights[0].value())
     }
 
-    /// Kalman update under one component; `inverse` is that of the difference's covariance.
+    /// x_c and P_c⁺: Kalman update under one component; `inverse` is that of the difference's covariance.
     fn updated(&self, row: &Row<'_, S>, component: usize, inverse: &Matrix3<S>) -> Posterior<S> {
         let zero = S::constant(0.0);
         let extra = PROCESS[component] - 1.0;

@@ -3,7 +3,7 @@
 mod causes;
 
 use maud::{Markup, html};
-use slipstream_study::reproduce::{RecordedRun, Reproduction, Row as Number};
+use slipstream_study::reproduce::{PaperRow, RecordedRun, Reproduction};
 
 use crate::parts::{
     Cell, Frame, Icon, Ink, Page, Row, Rows, Scale, Tone, fixed, floor_scales, short, table,
@@ -67,7 +67,7 @@ pub fn page(reproduction: &Reproduction, command_line: &str) -> String {
     page.html()
 }
 
-fn numbers(rows: &[Number]) -> Markup {
+fn numbers(rows: &[PaperRow]) -> Markup {
     let number = |value: Option<f64>| match value {
         Some(value) => Cell::number(value, fixed(value, 4)),
         None => Cell::number(f64::NAN, "–"),

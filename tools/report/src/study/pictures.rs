@@ -1,7 +1,7 @@
 //! The pictures of a study: the user's case over the delay, then one factor at a time.
 
 use maud::{Markup, html};
-use slipstream_study::delay::{Cell, Grid, Point, Study};
+use slipstream_study::delay::{Grid, GridCell, Point, Study};
 
 use crate::parts::{Frame, Ink, Points, Scale, card};
 
@@ -14,7 +14,7 @@ const LABEL_SHARE: f64 = 0.12;
 /// A factor of the grid: what it is called, and the case with each of its values.
 struct Factor {
     name: &'static str,
-    values: Vec<(String, Cell)>,
+    values: Vec<(String, GridCell)>,
 }
 
 /// The section.
@@ -97,16 +97,16 @@ fn speed(points: &[&Point]) -> Markup {
 }
 
 /// The factors of which the grid has several values.
-fn factors(grid: &Grid, case: &Cell) -> Vec<Factor> {
+fn factors(grid: &Grid, case: &GridCell) -> Vec<Factor> {
     let numbers =
-        |name, all: &[f64], unit: &str, factor: f64, with: fn(&Cell, f64) -> Cell| Factor {
+        |name, all: &[f64], unit: &str, factor: f64, with: fn(&GridCell, f64) -> GridCell| Factor {
             name,
             values: all
                 .iter()
                 .map(|&own| (format!("{} {unit}", plain(factor * own)), with(case, own)))
                 .collect(),
         };
-    let names = |name, all: &[String], with: fn(&Cell, String) -> Cell| Factor {
+    let names = |name, all: &[String], with: fn(&GridCell, String) -> GridCell| Factor {
         name,
         values: all
             .iter()
@@ -114,25 +114,27 @@ fn factors(grid: &Grid, case: &Cell) -> Vec<Factor> {
             .collect(),
     };
     let all = [
-        names("Protocol", &grid.protocol, |case, protocol| Cell {
+        names("Protocol", &grid.protocol, |case, protocol| GridCell {
             protocol,
             ..case.clone()
         }),
         names("Torque limit", &grid.torque_limit, |case, torque_limit| {
-            Cell {
+            GridCell {
                 torque_limit,
                 ..case.clone()
             }
         }),
-        numbers("Gain k_x", &grid.k_x, "s⁻¹", 1.0, |case, k_x| Cell {
+        numbers("Gain k_x", &grid.k_x, "s⁻¹", 1.0, |case, k_x| GridCell {
             k_x,
             ..case.clone()
         }),
-        numbers("Jitter", &grid.jitter_s, "ms", 1e3, |case, jitter_s| Cell {
-            jitter_s,
-            ..case.clone()
+        numbers("Jitter", &grid.jitter_s, "ms", 1e3, |case, jitter_s| {
+            GridCell {
+                jitter_s,
+                ..case.clone()
+            }
         }),
-        numbers("Loss", &grid.loss, "%", 1e2, |case, loss| Cell {
+        numbers("Loss", &grid.loss, "%", 1e2, |case, loss| GridCell {
             loss,
             ..case.clone()
         }),
@@ -140,7 +142,7 @@ fn factors(grid: &Grid, case: &Cell) -> Vec<Factor> {
     all.into_iter().filter(|own| own.values.len() > 1).collect()
 }
 
-fn of_factor(study: &Study, case: &Cell, factor: &Factor) -> Markup {
+fn of_factor(study: &Study, case: &GridCell, factor: &Factor) -> Markup {
     let lines: Vec<(&str, bool, Vec<&Point>)> = factor
         .values
         .iter()

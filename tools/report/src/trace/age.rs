@@ -1,7 +1,7 @@
 //! How old the position in use is: a few rounds of it.
 
 use maud::{Markup, html};
-use slipstream_trace::{AgeLine, Reading, ages_over_time};
+use slipstream_trace::{AgeLine, TraceReading, ages_over_time};
 
 use crate::parts::{Frame, Ink, Points, Row, Rows, Scale, fixed};
 
@@ -11,7 +11,7 @@ const AGES: usize = 4;
 const ROUNDS: f64 = 4.0;
 
 /// The section.
-pub(super) fn ages(reading: &Reading) -> Markup {
+pub(super) fn ages(reading: &TraceReading) -> Markup {
     let all = ages_over_time(&reading.log);
     let followers: Vec<&AgeLine> = all
         .iter()

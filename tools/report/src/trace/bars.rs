@@ -1,7 +1,7 @@
 //! The stages of each link as bars to one scale, and what is too short for it.
 
 use maud::{Markup, html};
-use slipstream_trace::{Answer, Hop};
+use slipstream_trace::{Hop, LatencyAnswer};
 
 use super::words::{LARGE, median_hop, used};
 use crate::parts::{Scale, fixed};
@@ -12,7 +12,7 @@ pub(super) const LINKS: usize = 8;
 /// Width of a stage from which on its name stands above it (% of the bar).
 const NAMED_PERCENT: f64 = 18.0;
 
-pub(super) fn bars(answer: &Answer) -> Markup {
+pub(super) fn bars(answer: &LatencyAnswer) -> Markup {
     let hops: Vec<&Hop> = used(answer).take(LINKS).collect();
     let end = |hop: &Hop| hop.end_to_end.map_or(0.0, |own| own.p99_s.max(own.p50_s));
     let longest = hops.iter().map(|hop| end(hop)).fold(0.0, f64::max);

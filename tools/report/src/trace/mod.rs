@@ -5,7 +5,9 @@ mod bars;
 mod words;
 
 use maud::{Markup, html};
-use slipstream_trace::{Answer, Hop, Host, Percentiles, Reading, TopicDelay, Uncertainty};
+use slipstream_trace::{
+    Hop, Host, LatencyAnswer, Percentiles, TopicDelay, TraceReading, Uncertainty,
+};
 
 use self::bars::LINKS;
 use self::words::used;
@@ -19,9 +21,9 @@ pub struct Latency<'a> {
     /// Name of the recording.
     pub subject: String,
     /// The answer.
-    pub answer: &'a Answer,
+    pub answer: &'a LatencyAnswer,
     /// What it was computed from.
-    pub reading: &'a Reading,
+    pub reading: &'a TraceReading,
     /// The command that made it.
     pub command_line: String,
     /// Program and files.
@@ -69,7 +71,7 @@ pub fn page(latency: &Latency<'_>) -> String {
 }
 
 /// What went wrong, in words.
-fn troubles(answer: &Answer) -> Vec<String> {
+fn troubles(answer: &LatencyAnswer) -> Vec<String> {
     let lost: u64 = answer.hops.iter().map(|hop| hop.incomplete.lost).sum();
     let missed: u64 = answer
         .loops
@@ -89,7 +91,7 @@ fn troubles(answer: &Answer) -> Vec<String> {
     words
 }
 
-fn facts(answer: &Answer) -> String {
+fn facts(answer: &LatencyAnswer) -> String {
     let sent: u64 = answer.hops.iter().map(|hop| hop.sent).sum();
     let ticks: u64 = answer.loops.iter().map(|own| own.ticks).sum();
     let missed: u64 = answer
@@ -106,7 +108,7 @@ fn facts(answer: &Answer) -> String {
     )
 }
 
-fn stages(answer: &Answer) -> Markup {
+fn stages(answer: &LatencyAnswer) -> Markup {
     let hops: Vec<&Hop> = used(answer).take(LINKS).collect();
     let mut heads = vec!["Stage, ms".to_owned()];
     let is_uncertain = |hop: &&Hop| hop.stages.iter().any(|own| !own.uncertainty_s.is_exact());
@@ -165,7 +167,7 @@ fn clocks(uncertainty: Uncertainty) -> Cell {
 }
 
 /// What became of the messages of each link.
-fn fates(answer: &Answer) -> Markup {
+fn fates(answer: &LatencyAnswer) -> Markup {
     let rows: Vec<Vec<Cell>> = answer
         .hops
         .iter()
@@ -189,7 +191,7 @@ fn fates(answer: &Answer) -> Markup {
     }
 }
 
-fn loops(answer: &Answer) -> Markup {
+fn loops(answer: &LatencyAnswer) -> Markup {
     let rows: Vec<Vec<Cell>> = answer
         .loops
         .iter()
@@ -218,7 +220,7 @@ fn loops(answer: &Answer) -> Markup {
 }
 
 /// How long messages of real robots were under way.
-fn topics(answer: &Answer) -> Markup {
+fn topics(answer: &LatencyAnswer) -> Markup {
     let row = |own: &TopicDelay| {
         let time = |value: f64| Cell::number(value, ms(value));
         vec![
@@ -242,7 +244,7 @@ fn topics(answer: &Answer) -> Markup {
 }
 
 /// The clocks of the other hosts.
-fn hosts(answer: &Answer) -> Markup {
+fn hosts(answer: &LatencyAnswer) -> Markup {
     let figure = |value: Option<f64>, text: fn(f64) -> String| {
         value.map_or_else(
             || Cell::text("unknown"),
@@ -283,7 +285,7 @@ fn hosts(answer: &Answer) -> Markup {
     }
 }
 
-fn against(answer: &Answer) -> Markup {
+fn against(answer: &LatencyAnswer) -> Markup {
     let Some(changes) = &answer.against else {
         return html! {};
     };

@@ -1,7 +1,7 @@
 //! What a trace says first, for page and terminal.
 
 use maud::{Markup, html};
-use slipstream_trace::{Age, Answer, Change, Hop};
+use slipstream_trace::{Age, Hop, LatencyAnswer, LatencyChange};
 
 use crate::stages::{ms, stage_name};
 
@@ -12,12 +12,12 @@ pub(super) const LARGE: f64 = 0.02;
 pub(super) const VIRTUAL: &str = "The run was on the virtual clock: computing, transport and the wait for the plant step take no time there, by construction.";
 
 /// Links of which a position was used.
-pub(super) fn used(answer: &Answer) -> impl Iterator<Item = &Hop> {
+pub(super) fn used(answer: &LatencyAnswer) -> impl Iterator<Item = &Hop> {
     answer.hops.iter().filter(|hop| hop.end_to_end.is_some())
 }
 
 /// The link with the median latency.
-pub(super) fn median_hop(answer: &Answer) -> Option<&Hop> {
+pub(super) fn median_hop(answer: &LatencyAnswer) -> Option<&Hop> {
     let mut hops: Vec<&Hop> = used(answer).collect();
     let end = |hop: &Hop| hop.end_to_end.map_or(0.0, |own| own.p50_s);
     hops.sort_by(|a, b| end(a).total_cmp(&end(b)));
@@ -25,7 +25,7 @@ pub(super) fn median_hop(answer: &Answer) -> Option<&Hop> {
 }
 
 /// Whether the run was on the virtual clock, on which nothing computes or travels for any time.
-pub fn is_virtual(answer: &Answer) -> bool {
+pub fn is_virtual(answer: &LatencyAnswer) -> bool {
     let takes_no_time = |hop: &Hop| {
         let mut own = hop
             .stages
@@ -37,7 +37,7 @@ pub fn is_virtual(answer: &Answer) -> bool {
 }
 
 /// Where the time went, in a sentence; beside another run, what differs.
-pub fn headline(answer: &Answer) -> String {
+pub fn headline(answer: &LatencyAnswer) -> String {
     let Some(hop) = median_hop(answer) else {
         return "No position was used: nothing to measure.".to_owned();
     };
@@ -95,12 +95,12 @@ fn words(stage: &str, is_real: bool) -> &'static str {
 }
 
 /// How a link differs from the other run, in words: in all, and the stage that changed most.
-fn beside(answer: &Answer, hop: &Hop) -> Option<String> {
+fn beside(answer: &LatencyAnswer, hop: &Hop) -> Option<String> {
     let changes = answer.against.as_ref()?;
     let own = changes
         .iter()
         .find(|own| own.from == hop.from && own.to == hop.to)?;
-    let is_all = |own: &&Change| own.stage == "end_to_end";
+    let is_all = |own: &&LatencyChange| own.stage == "end_to_end";
     let all = own.stages.iter().find(is_all)?;
     if !all.changed {
         return Some(", as long as in the other run".to_owned());
@@ -122,13 +122,13 @@ fn beside(answer: &Answer, hop: &Hop) -> Option<String> {
 }
 
 /// The follower whose information is oldest in the median.
-fn oldest(answer: &Answer) -> Option<&Age> {
+fn oldest(answer: &LatencyAnswer) -> Option<&Age> {
     let followers = answer.at_outer_ticks.iter().filter(|own| own.to != "r1");
     followers.max_by(|a, b| a.figures.p50_s.total_cmp(&b.figures.p50_s))
 }
 
 /// How old the positions in use are.
-pub(super) fn lead(answer: &Answer) -> Markup {
+pub(super) fn lead(answer: &LatencyAnswer) -> Markup {
     html! {
         @match oldest(answer) {
             Some(own) => {
@@ -141,7 +141,7 @@ pub(super) fn lead(answer: &Answer) -> Markup {
 }
 
 /// The same without markup, and what zeros mean.
-pub fn lead_text(answer: &Answer) -> String {
+pub fn lead_text(answer: &LatencyAnswer) -> String {
     let age = match oldest(answer) {
         Some(own) => format!(
             "At its outer ticks {} steers by a position that is {} ms old in the median, and {} ms in one of a hundred.",

@@ -27,7 +27,7 @@ pub struct Grid {
 
 /// One point of the grid.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Cell {
+pub struct GridCell {
     /// `links.delay_s` (s).
     pub delay_s: f64,
     /// `links.jitter_s` (s).
@@ -63,14 +63,14 @@ impl Default for Grid {
 
 impl Grid {
     /// Every combination; the delay varies fastest.
-    pub fn cells(&self) -> Vec<Cell> {
+    pub fn cells(&self) -> Vec<GridCell> {
         let mut cells = Vec::new();
         for protocol in &self.protocol {
             for torque_limit in &self.torque_limit {
                 for &k_x in &self.k_x {
                     for &loss in &self.loss {
                         for &jitter_s in &self.jitter_s {
-                            cells.extend(self.delay_s.iter().map(|&delay_s| Cell {
+                            cells.extend(self.delay_s.iter().map(|&delay_s| GridCell {
                                 delay_s,
                                 jitter_s,
                                 loss,
@@ -89,7 +89,7 @@ impl Grid {
 
     /// The case that the study is first about, at its least delay: of each key the value of the built-in platoon if the list
     /// is the default one, else the first of the list.
-    pub fn case(&self) -> Option<Cell> {
+    pub fn case(&self) -> Option<GridCell> {
         let default = Self::default();
         let of = |own: &[f64], all: &[f64], usual: f64| match own == all {
             true => Some(usual),
@@ -99,7 +99,7 @@ impl Grid {
             true => Some(usual.to_owned()),
             false => own.first().cloned(),
         };
-        Some(Cell {
+        Some(GridCell {
             delay_s: self.delay_s.iter().copied().reduce(f64::min)?,
             jitter_s: of(&self.jitter_s, &default.jitter_s, 0.0)?,
             loss: of(&self.loss, &default.loss, 0.0)?,
@@ -132,7 +132,7 @@ impl Grid {
     }
 }
 
-impl Cell {
+impl GridCell {
     /// The same at another delay (s).
     #[must_use]
     pub fn at(&self, delay_s: f64) -> Self {

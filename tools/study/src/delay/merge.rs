@@ -3,7 +3,7 @@
 use slipstream_bus::{InputError, Shard};
 
 use super::answers::answers;
-use super::grid::Cell;
+use super::grid::GridCell;
 use super::point::Point;
 use super::study::Study;
 use crate::StudyError;
@@ -36,7 +36,7 @@ pub fn merge(shards: &[(String, Study)], threads: usize) -> Result<Study, StudyE
 }
 
 /// Finds the point of a cell in its shard; `index` is that of the cell in the grid.
-fn point(parts: &[&Study], index: usize, cell: &Cell) -> Result<Point, InputError> {
+fn point(parts: &[&Study], index: usize, cell: &GridCell) -> Result<Point, InputError> {
     let part = parts[index % parts.len()];
     let found = part.points.iter().find(|point| point.cell == *cell);
     found.cloned().ok_or_else(|| {

@@ -13,11 +13,11 @@ mod sentence;
 mod string_stability;
 mod study;
 
-pub use answers::{Answer, Table, answers};
+pub use answers::{StudyAnswer, Table, answers};
 pub use effect::effect;
 pub use follower_recorder::{FollowerRecorder, FollowerTick};
 pub use forms::Form;
-pub use grid::{Cell, Grid};
+pub use grid::{Grid, GridCell};
 pub use merge::merge;
 pub use point::{FormError, Point, RunResult};
 pub use run_points::run_points;

@@ -7,7 +7,7 @@ use slipstream_launch::Reports;
 
 use super::follower_recorder::FollowerRecorder;
 use super::forms::{Form, bound_m_s};
-use super::grid::Cell;
+use super::grid::GridCell;
 use super::string_stability::string_gain;
 
 /// The combined results of one point. Maxima are over all followers' outer ticks from the start of
@@ -18,7 +18,7 @@ use super::string_stability::string_gain;
 pub struct Point {
     /// The point of the grid.
     #[serde(flatten)]
-    pub cell: Cell,
+    pub cell: GridCell,
     /// Number of runs.
     pub runs: u32,
     /// The largest desired speed before limiting (m/s).
@@ -135,7 +135,7 @@ fn gain(errors: &[f64]) -> Option<f64> {
 
 impl Point {
     /// Combines the runs of a cell, in their order.
-    pub fn new(cell: &Cell, experiment: &Experiment, runs: &[RunResult]) -> Self {
+    pub fn new(cell: &GridCell, experiment: &Experiment, runs: &[RunResult]) -> Self {
         let largest = |pick: &dyn Fn(&RunResult) -> f64| runs.iter().map(pick).fold(0.0, f64::max);
         let sum = |pick: &dyn Fn(&RunResult) -> f64| runs.iter().map(pick).sum::<f64>();
         let count = runs.len().max(1) as f64;

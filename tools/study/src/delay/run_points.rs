@@ -8,7 +8,7 @@ use slipstream_bus::Experiment;
 use slipstream_launch::{RunError, in_process};
 
 use super::follower_recorder::FollowerRecorder;
-use super::grid::Cell;
+use super::grid::GridCell;
 use super::point::{Point, RunResult};
 use crate::StudyError;
 
@@ -16,20 +16,20 @@ use crate::StudyError;
 ///
 /// # Errors
 /// The error of the first cell, in order, that cannot be run.
-pub fn run_points(cells: &[Cell], runs: u32, threads: usize) -> Result<Vec<Point>, StudyError> {
+pub fn run_points(cells: &[GridCell], runs: u32, threads: usize) -> Result<Vec<Point>, StudyError> {
     run_points_until(cells, runs, threads, &AtomicBool::new(false))
 }
 
 /// The same until `stop` is set; returns the points finished by then.
 pub(super) fn run_points_until(
-    cells: &[Cell],
+    cells: &[GridCell],
     runs: u32,
     threads: usize,
     stop: &AtomicBool,
 ) -> Result<Vec<Point>, StudyError> {
     let experiments: Vec<Experiment> = cells
         .iter()
-        .map(Cell::experiment)
+        .map(GridCell::experiment)
         .collect::<Result<_, _>>()?;
     let bar = ProgressBar::new(cells.len() as u64 * u64::from(runs));
     if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} runs, {eta} left") {
@@ -55,7 +55,7 @@ pub(super) fn run_points_until(
 type PointResult = Result<Option<Point>, RunError>;
 
 fn run_point(
-    cell: &Cell,
+    cell: &GridCell,
     mut experiment: Experiment,
     runs: u32,
     bar: &ProgressBar,

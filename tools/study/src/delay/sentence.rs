@@ -1,6 +1,6 @@
 //! What a study says first: what the delay does in the user's case.
 
-use super::grid::Cell;
+use super::grid::GridCell;
 use super::point::Point;
 use super::study::Study;
 
@@ -13,7 +13,7 @@ impl Study {
     }
 
     /// The points that differ from a cell in their delay alone, by their delay.
-    pub fn points_of(&self, cell: &Cell) -> Vec<&Point> {
+    pub fn points_of(&self, cell: &GridCell) -> Vec<&Point> {
         let is_own = |point: &&Point| point.cell.at(cell.delay_s) == *cell;
         let mut own: Vec<&Point> = self.points.iter().filter(is_own).collect();
         own.sort_by(|a, b| a.cell.delay_s.total_cmp(&b.cell.delay_s));
@@ -56,7 +56,7 @@ impl Study {
     }
 }
 
-impl Cell {
+impl GridCell {
     /// All but the delay and the number of robots, in words.
     pub fn conditions(&self) -> String {
         let limit = match self.torque_limit.as_str() {

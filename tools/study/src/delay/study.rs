@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use serde::{Deserialize, Serialize};
 use slipstream_bus::Shard;
 
-use super::answers::{Answer, answers};
+use super::answers::{StudyAnswer, answers};
 use super::grid::Grid;
 use super::point::Point;
 use super::run_points::run_points_until;
@@ -23,7 +23,7 @@ pub struct Study {
     /// The points, in the order of the grid.
     pub points: Vec<Point>,
     /// The answers; empty for a shard or an interrupted study.
-    pub answers: Vec<Answer>,
+    pub answers: Vec<StudyAnswer>,
     /// Whether it was interrupted: only the points finished before are present.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub interrupted: bool,

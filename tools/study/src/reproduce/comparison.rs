@@ -7,7 +7,7 @@ use super::causes::{Explanation, explain};
 use super::extensions::{Extension, extensions};
 use super::paper_runs::PaperRuns;
 use super::recorded_run::RecordedRun;
-use super::row::Row;
+use super::row::PaperRow;
 use crate::StudyError;
 
 /// Paper against computed: the answer of `slipstream reproduce`.
@@ -20,7 +20,7 @@ pub struct Comparison {
     /// What the paper leaves open.
     pub assumptions: Vec<Assumption>,
     /// Paper against computed.
-    pub rows: Vec<Row>,
+    pub rows: Vec<PaperRow>,
     /// Beyond the paper: turns, and a floor whose friction changes, under every torque limit.
     #[serde(rename = "beyond")]
     pub extensions: Vec<Extension>,

@@ -5,14 +5,14 @@ use slipstream_bus::Experiment;
 use slipstream_launch::RunError;
 
 use super::printed::{ACCELERATION_RAD_S2, TORQUE_LIMIT_NM};
-use super::row::Row;
+use super::row::PaperRow;
 use crate::StudyError;
 
 const TORQUE: &str = "Eq. 11, section 3";
 const ACCELERATION: &str = "section 3";
 
 /// Torque limit and acceleration as printed, and with the load transfer that Eq. 6 leaves out.
-pub(super) fn rows(experiment: &Experiment) -> Result<Vec<Row>, StudyError> {
+pub(super) fn rows(experiment: &Experiment) -> Result<Vec<PaperRow>, StudyError> {
     let geometry = Geometry::new(&experiment.robots[0].model).map_err(RunError::Input)?;
     let Some(dynamics) = geometry.dynamics else {
         return Ok(Vec::new());
@@ -28,30 +28,30 @@ pub(super) fn rows(experiment: &Experiment) -> Result<Vec<Row>, StudyError> {
     let spin_m = 2.0 * dynamics.i_wy / (geometry.r * dynamics.m_t);
     let reacting_n = driven_n / (1.0 - friction * (dynamics.h + spin_m) / base);
     Ok(vec![
-        Row::printed("torque_limit_nm", TORQUE, TORQUE_LIMIT_NM, limit_nm(driven_n))
+        PaperRow::printed("torque_limit_nm", TORQUE, TORQUE_LIMIT_NM, limit_nm(driven_n))
             .note("below the printed value: Eq. 6 leaves out what acceleration adds to N"),
-        Row::printed(
+        PaperRow::printed(
             "torque_limit_with_load_transfer_nm",
             TORQUE,
             TORQUE_LIMIT_NM,
             limit_nm(transferred_n),
         )
         .note("with the load that acceleration shifts through h: the printed value may hold it"),
-        Row::printed(
+        PaperRow::printed(
             "wheel_acceleration_rad_s2",
             ACCELERATION,
             ACCELERATION_RAD_S2,
             acceleration(driven_n),
         )
         .note("μ N / m_t / r with N of Eq. 4 to 6: the printed pair of numbers does not follow from them"),
-        Row::printed(
+        PaperRow::printed(
             "wheel_acceleration_with_load_transfer_rad_s2",
             ACCELERATION,
             ACCELERATION_RAD_S2,
             acceleration(transferred_n),
         )
         .note("with the load shifted through h"),
-        Row::printed(
+        PaperRow::printed(
             "wheel_acceleration_with_load_transfer_and_spin_rad_s2",
             ACCELERATION,
             ACCELERATION_RAD_S2,

@@ -19,4 +19,4 @@ pub use comparison::{Comparison, Reproduction, reproduce};
 pub use extensions::Extension;
 pub use paper_runs::PaperRuns;
 pub use recorded_run::RecordedRun;
-pub use row::{Row, TOLERANCE};
+pub use row::{PaperRow, TOLERANCE};

@@ -1,7 +1,7 @@
 //! The paper's four runs: one robot and the platoon, each without and with the torque limit.
 
 use super::recorded_run::RecordedRun;
-use super::row::Row;
+use super::row::PaperRow;
 use super::{limits, platoon, single};
 use crate::StudyError;
 
@@ -31,7 +31,7 @@ impl PaperRuns {
     ///
     /// # Errors
     /// A robot that cannot be controlled.
-    pub fn rows(&self) -> Result<Vec<Row>, StudyError> {
+    pub fn rows(&self) -> Result<Vec<PaperRow>, StudyError> {
         let mut rows = limits::rows(&self.single[0].experiment)?;
         rows.extend(single::rows(&self.single));
         rows.extend(platoon::rows(&self.platoon));

@@ -2,7 +2,7 @@
 
 use super::printed::{FINALS, Finals};
 use super::recorded_run::RecordedRun;
-use super::row::Row;
+use super::row::PaperRow;
 
 const FINAL: &str = "final positions, section 4";
 const SPACINGS: &str = "\"the inter-vehicular spacings are maintained better\", section 4";
@@ -19,7 +19,7 @@ fn assumptions(which: &str) -> &'static [&'static str] {
 }
 
 /// Rows for the final positions, then for the claims about the figures.
-pub(super) fn rows(runs: &[RecordedRun; 2]) -> Vec<Row> {
+pub(super) fn rows(runs: &[RecordedRun; 2]) -> Vec<PaperRow> {
     let mut rows = Vec::new();
     for ((run, printed), which) in runs.iter().zip(&FINALS).zip(WHICH) {
         rows.extend(finals(run, printed, which));
@@ -31,7 +31,7 @@ pub(super) fn rows(runs: &[RecordedRun; 2]) -> Vec<Row> {
     rows
 }
 
-fn finals(run: &RecordedRun, printed: &Finals, which: &str) -> Vec<Row> {
+fn finals(run: &RecordedRun, printed: &Finals, which: &str) -> Vec<PaperRow> {
     let mut rows = Vec::new();
     for (i, (truth, agent)) in run
         .reports
@@ -48,7 +48,7 @@ fn finals(run: &RecordedRun, printed: &Finals, which: &str) -> Vec<Row> {
                 ("true", printed.measured[i], truth.final_true),
             ] {
                 let quantity = format!("final_{name}_r{}_{by}_{which}_m", i + 1);
-                let row = Row::printed(quantity, FINAL, paper[axis], computed[axis]);
+                let row = PaperRow::printed(quantity, FINAL, paper[axis], computed[axis]);
                 rows.push(if axis == 0 {
                     row.note("the way is that of the assumed profile")
                         .depending_on(assumptions(which))
@@ -62,14 +62,14 @@ fn finals(run: &RecordedRun, printed: &Finals, which: &str) -> Vec<Row> {
     rows
 }
 
-fn gaps(run: &RecordedRun, printed: &Finals, which: &str) -> Vec<Row> {
+fn gaps(run: &RecordedRun, printed: &Finals, which: &str) -> Vec<PaperRow> {
     let robots = run.robots();
     let signed = (0..robots)
         .map(|robot| run.final_gap_m(robot, 0))
         .sum::<f64>()
         / f64::from(robots);
     vec![
-        Row::printed(
+        PaperRow::printed(
             format!("mean_gap_x_{which}_m"),
             FINAL,
             printed.mean_gap_m(0),
@@ -83,7 +83,7 @@ fn gaps(run: &RecordedRun, printed: &Finals, which: &str) -> Vec<Row> {
             if signed >= 0.0 { "ahead" } else { "behind" }
         ))
         .depending_on(assumptions(which)),
-        Row::printed(
+        PaperRow::printed(
             format!("mean_gap_y_{which}_m"),
             FINAL,
             printed.mean_gap_m(1),
@@ -91,7 +91,7 @@ fn gaps(run: &RecordedRun, printed: &Finals, which: &str) -> Vec<Row> {
         )
         .note("zero by symmetry: see the causes")
         .depending_on(&["symmetry"]),
-        Row::printed(
+        PaperRow::printed(
             format!("final_spacing_error_{which}_m"),
             FINAL,
             printed.largest_spacing_error_m(),
@@ -116,10 +116,10 @@ struct LimitClaim {
 }
 
 /// The claims about the torque limit: each holds if its number is smaller with the limit.
-fn claims(runs: &[RecordedRun; 2]) -> Vec<Row> {
+fn claims(runs: &[RecordedRun; 2]) -> Vec<PaperRow> {
     let row = |claim: LimitClaim| {
         let [without, with] = runs.each_ref().map(claim.number);
-        Row::claim(claim.quantity, claim.source, with / without, with < without)
+        PaperRow::claim(claim.quantity, claim.source, with / without, with < without)
             .note(format!(
                 "{}: {without:.4} without, {with:.4} with the limit",
                 claim.meaning

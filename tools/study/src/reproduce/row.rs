@@ -11,7 +11,7 @@ pub const TOLERANCE: f64 = 0.05;
 
 /// One quantity.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Row {
+pub struct PaperRow {
     /// Name of the quantity, with its unit.
     pub quantity: String,
     /// The same for people.
@@ -31,7 +31,7 @@ pub struct Row {
     pub depends_on: Vec<Cow<'static, str>>,
 }
 
-impl Row {
+impl PaperRow {
     /// A number that the paper prints.
     pub(super) fn printed(
         quantity: impl Into<String>,
@@ -94,7 +94,7 @@ mod tests {
 
     #[test]
     fn numbers_agree_within_five_per_cent() {
-        let agrees = |computed| Row::printed("q", "s", -2.0, computed).agrees;
+        let agrees = |computed| PaperRow::printed("q", "s", -2.0, computed).agrees;
         assert_eq!(agrees(-2.09), Some(true));
         assert_eq!(agrees(-2.11), Some(false));
         assert_eq!(agrees(2.0), Some(false));

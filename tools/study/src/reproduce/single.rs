@@ -4,7 +4,7 @@
 use slipstream_bus::time::s_from_ns;
 
 use super::recorded_run::RecordedRun;
-use super::row::{Row, TOLERANCE};
+use super::row::{PaperRow, TOLERANCE};
 
 /// Source of the run without the torque limit.
 const WITHOUT: &str = "Fig. 5, section 3";
@@ -15,7 +15,7 @@ const WITH: &str = "Fig. 6, section 3";
 const ASSUMPTIONS: [&str; 2] = ["motor", "friction"];
 
 /// The gap between encoder and camera, then the contradictions in the paper's text.
-pub(super) fn rows(runs: &[RecordedRun; 2]) -> Vec<Row> {
+pub(super) fn rows(runs: &[RecordedRun; 2]) -> Vec<PaperRow> {
     let [without, with] = runs;
     let mut rows = gaps(without, with);
     rows.extend(contradictions(without));
@@ -23,11 +23,11 @@ pub(super) fn rows(runs: &[RecordedRun; 2]) -> Vec<Row> {
 }
 
 /// The gap between encoder and camera at the end of both runs.
-fn gaps(without: &RecordedRun, with: &RecordedRun) -> Vec<Row> {
+fn gaps(without: &RecordedRun, with: &RecordedRun) -> Vec<PaperRow> {
     let gaps = [without, with].map(|run| run.final_gap_m(0, 0));
     let distance_m = with.reports.plant.robots[0].final_true[0];
     vec![
-        Row::claim(
+        PaperRow::claim(
             "single_gap_without_limit_m",
             WITHOUT,
             gaps[0],
@@ -35,7 +35,7 @@ fn gaps(without: &RecordedRun, with: &RecordedRun) -> Vec<Row> {
         )
         .note("encoder minus camera at the end: the encoder is ahead, as Fig. 5 says")
         .depending_on(&ASSUMPTIONS),
-        Row::claim(
+        PaperRow::claim(
             "single_gap_with_limit_m",
             WITH,
             gaps[1],
@@ -49,7 +49,7 @@ fn gaps(without: &RecordedRun, with: &RecordedRun) -> Vec<Row> {
 }
 
 /// Where the run without the limit contradicts the paper's text.
-fn contradictions(without: &RecordedRun) -> Vec<Row> {
+fn contradictions(without: &RecordedRun) -> Vec<PaperRow> {
     let (_, off_s) = step(without);
     let slip_after_s = slip_after_s(without, off_s);
     let [speed_off, speed_end] = [speed_m_s(without, off_s), speed_m_s(without, f64::INFINITY)];
@@ -63,7 +63,7 @@ fn contradictions(without: &RecordedRun) -> Vec<Row> {
         .as_ref()
         .map_or(f64::NAN, |motor| motor.no_load_speed_rad_s);
     vec![
-        Row::printed(
+        PaperRow::printed(
             "single_speed_at_end_over_speed_when_torque_ends",
             "\"the torque is set to zero (i.e., constant velocity)\", section 3",
             1.0,
@@ -74,10 +74,10 @@ fn contradictions(without: &RecordedRun) -> Vec<Row> {
              ends, and their spin drives the robot on until they roll",
         )
         .depending_on(&ASSUMPTIONS),
-        Row::found("single_slip_after_torque_ends_s", WITHOUT, slip_after_s)
+        PaperRow::found("single_slip_after_torque_ends_s", WITHOUT, slip_after_s)
             .note("how long the right wheel goes on sliding after the torque has ended")
             .depending_on(&ASSUMPTIONS),
-        Row::claim(
+        PaperRow::claim(
             "single_fastest_wheel_rad_s",
             "350 1/min without load, section 3",
             fastest,

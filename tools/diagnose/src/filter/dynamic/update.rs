@@ -1,4 +1,10 @@
 //! Covariance of the state through flow, measurement and disturbances.
+//!
+//! With the flow F over a row, the derivatives H of its measurement before the flow, and its variances R:
+//!
+//! ```text
+//! S = H P Hᵀ + R = L Lᵀ,   W = L⁻¹ H P Fᵀ,   K = Wᵀ L⁻¹,   P⁺ = F P Fᵀ − Wᵀ W
+//! ```
 
 use super::derivatives::Derivatives;
 use super::{ANGLE, DISTURBANCES, DISTURBED, Matrix, N, Noise, POSE, ROLLING, SLIP};
@@ -76,27 +82,28 @@ pub(crate) struct Covariance<const M: usize> {
 impl<const M: usize> Covariance<M> {
     /// Flow, measurement with these variances, and update. Returns the gain of the row.
     pub(crate) fn update(&mut self, step: &Derivatives, variance: &[f64; 3]) -> Gain {
-        // P Gᵀ, by rows of Gᵀ
-        let mut pg = [[0.0; M]; 3];
-        for (own, g) in pg.iter_mut().zip(&step.measurement) {
-            for (p, gj) in self.p.iter().zip(g) {
-                add(own, *gj, p);
+        // H P
+        let mut hp = [[0.0; M]; 3];
+        for (own, h) in hp.iter_mut().zip(&step.measurement) {
+            for (p, h) in self.p.iter().zip(h) {
+                add(own, *h, p);
             }
         }
+        // S = H P Hᵀ + R
         let mut s = [[0.0; 3]; 3];
-        for (a, g) in step.measurement.iter().enumerate() {
+        for (a, h) in step.measurement.iter().enumerate() {
             for b in 0..=a {
-                let sum: f64 = pg[b].iter().zip(g).map(|(x, y)| x * y).sum();
+                let sum: f64 = hp[b].iter().zip(h).map(|(x, y)| x * y).sum();
                 s[a][b] = sum;
                 s[b][a] = sum;
             }
             s[a][a] += variance[a];
         }
         let (whitening, log_determinant) = whitening(&s);
-        // cross covariance of the state after the flow with the row, times the whitening
-        let mut cross = pg;
+        // W = L⁻¹ H P Fᵀ
+        let mut cross = hp;
         if !step.still {
-            cross = pg.map(|before| Self::moved(&step.flow, &before));
+            cross = hp.map(|before| Self::moved(&step.flow, &before));
             self.flow(&step.flow);
         }
         let mut w = [[0.0; M]; 3];
@@ -105,6 +112,7 @@ impl<const M: usize> Covariance<M> {
                 add(own, *factor, cross);
             }
         }
+        // K = Wᵀ L⁻¹
         let mut gain = [[0.0; 3]; N];
         for (i, gain) in gain.iter_mut().enumerate().take(M) {
             for (b, own) in gain.iter_mut().enumerate() {
@@ -112,6 +120,7 @@ impl<const M: usize> Covariance<M> {
             }
         }
         let before: [f64; M] = std::array::from_fn(|i| self.p[i][i]);
+        // P⁺ = F P Fᵀ − Wᵀ W
         for (i, row) in self.p.iter_mut().enumerate() {
             for w in &w {
                 add(row, -w[i], w);

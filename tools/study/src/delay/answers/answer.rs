@@ -7,7 +7,7 @@ use crate::delay::point::Point;
 
 /// A question and what the runs answer.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Answer {
+pub struct StudyAnswer {
     /// The question.
     pub question: String,
     /// The answer in words.
@@ -28,7 +28,7 @@ pub struct Table {
     pub rows: Vec<Vec<String>>,
 }
 
-impl Answer {
+impl StudyAnswer {
     /// An answer with the numbers behind it; a number that is not finite is left out, because JSON
     /// cannot hold it.
     pub(super) fn new(question: &str, answer: String, numbers: &[(&str, f64)]) -> Self {

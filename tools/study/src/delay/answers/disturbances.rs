@@ -1,11 +1,11 @@
 //! What constant delay, jitter and loss each change.
 
-use super::answer::{Answer, mean, steady};
-use crate::delay::grid::Cell;
+use super::answer::{StudyAnswer, mean, steady};
+use crate::delay::grid::GridCell;
 use crate::delay::point::Point;
 
 /// The effect of constant delay: least delay against largest, without jitter and loss.
-pub(super) fn constant(points: &[Point]) -> Option<Answer> {
+pub(super) fn constant(points: &[Point]) -> Option<StudyAnswer> {
     let steady = steady(points);
     let delays = steady.iter().map(|point| point.cell.delay_s);
     let (least, most) = (delays.clone().reduce(f64::min)?, delays.reduce(f64::max)?);
@@ -20,7 +20,7 @@ pub(super) fn constant(points: &[Point]) -> Option<Answer> {
     let speed = [least, most].map(|d| at(d, |point| point.max_desired_speed_m_s));
     let error = [least, most].map(|d| at(d, |point| point.max_spacing_error_m));
     let slip = [least, most].map(|d| at(d, |point| point.slip_time_s));
-    Some(Answer::new(
+    Some(StudyAnswer::new(
         "What does constant delay do?",
         format!(
             "From {least} s to {most} s of delay on each link, the mean over all other keys: largest \
@@ -42,8 +42,8 @@ pub(super) fn random(
     points: &[Point],
     [what, head]: [&str; 2],
     unit: &str,
-    pick: fn(&Cell) -> f64,
-) -> Option<Answer> {
+    pick: fn(&GridCell) -> f64,
+) -> Option<StudyAnswer> {
     let mut levels: Vec<f64> = points.iter().map(|point| pick(&point.cell)).collect();
     levels.sort_by(f64::total_cmp);
     levels.dedup();
@@ -83,7 +83,7 @@ pub(super) fn random(
         return None;
     }
     let numbers: Vec<(&str, f64)> = numbers.iter().map(|(n, v)| (n.as_str(), *v)).collect();
-    Some(Answer::new(
+    Some(StudyAnswer::new(
         &format!("What does {what} do beside constant delay?"),
         format!(
             "Against {least} {unit} at the same delay, gain, limit and protocol: largest values of all runs, on average \
@@ -103,7 +103,7 @@ pub(super) fn random(
 }
 
 /// Whether two cells are equal apart from this key, `jitter` or `loss`.
-fn differ_only_in(a: &Cell, b: &Cell, key: &str) -> bool {
+fn differ_only_in(a: &GridCell, b: &GridCell, key: &str) -> bool {
     let mut a = a.clone();
     if key == "jitter" {
         a.jitter_s = b.jitter_s;

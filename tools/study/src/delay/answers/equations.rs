@@ -1,6 +1,6 @@
 //! Which of the paper's equations describe the measured desired speed, and whether Eq. 14 bounds it.
 
-use super::answer::{Answer, mean, rms, steady};
+use super::answer::{StudyAnswer, mean, rms, steady};
 use crate::StudyError;
 use crate::delay::forms::Form;
 use crate::delay::grid::Grid;
@@ -8,7 +8,7 @@ use crate::delay::point::Point;
 use crate::delay::run_points::run_once;
 
 /// Ranks the forms by their distance from the measured desired speed.
-pub(super) fn which_form(points: &[Point]) -> Answer {
+pub(super) fn which_form(points: &[Point]) -> StudyAnswer {
     let steady = steady(points);
     let mut ranked: Vec<(Form, f64)> = Form::ALL
         .iter()
@@ -28,7 +28,7 @@ pub(super) fn which_form(points: &[Point]) -> Answer {
         (!own.is_empty()).then(|| format!(" {rest:.4} m/s under {protocol}"))
     };
     let rest: Vec<String> = ["ring", "periodic"].into_iter().filter_map(under).collect();
-    Answer::new(
+    StudyAnswer::new(
         "Which form describes the desired speed that is measured?",
         format!(
             "Closest is {best}, with τ the mean age of the position in use. It misses by{}: in a ring the age \
@@ -45,7 +45,7 @@ pub(super) fn which_form(points: &[Point]) -> Answer {
 }
 
 /// Compares the printed sign with that of Eq. 12 at the least delay, where delay hides least.
-pub(super) fn sign(points: &[Point]) -> Answer {
+pub(super) fn sign(points: &[Point]) -> StudyAnswer {
     let steady = steady(points);
     let least = steady
         .iter()
@@ -56,7 +56,7 @@ pub(super) fn sign(points: &[Point]) -> Answer {
         .filter(|point| point.cell.delay_s == least)
         .collect();
     let [printed, twelve] = [Form::PrintedSign, Form::Undelayed].map(|form| rms(&early, form));
-    Answer::new(
+    StudyAnswer::new(
         "Which sign does the straight-line form have?",
         format!(
             "Eq. 12 with e_x = x_r − x gives v_r + k_x (x_r − x); the paper prints v_r + k_x (x − x_r), \
@@ -72,7 +72,7 @@ pub(super) fn sign(points: &[Point]) -> Answer {
 }
 
 /// Runs the point of the longest delay at the origin and 10 m away from it.
-pub(super) fn origin(grid: &Grid) -> Result<Option<Answer>, StudyError> {
+pub(super) fn origin(grid: &Grid) -> Result<Option<StudyAnswer>, StudyError> {
     let cells = grid.cells();
     let longest = cells.iter().max_by(|a, b| a.delay_s.total_cmp(&b.delay_s));
     let Some(cell) = longest else {
@@ -116,17 +116,17 @@ pub(super) fn origin(grid: &Grid) -> Result<Option<Answer>, StudyError> {
             "Not visibly at this delay.",
         )
     };
-    Ok(Some(Answer::new(question, text, &numbers)))
+    Ok(Some(StudyAnswer::new(question, text, &numbers)))
 }
 
 /// How often Eq. 14's bound is exceeded, tick by tick.
-pub(super) fn bound(points: &[Point]) -> Answer {
+pub(super) fn bound(points: &[Point]) -> StudyAnswer {
     let beyond = mean(points.iter().map(|point| point.beyond_bound));
     let never = points
         .iter()
         .filter(|point| point.beyond_bound == 0.0)
         .count();
-    Answer::new(
+    StudyAnswer::new(
         "Does Eq. 14 bound the desired speed?",
         format!(
             "The desired speed is beyond it at {:.2} % of the outer ticks, on average over the points, and never at \

@@ -1,8 +1,8 @@
 //! What delay does to the followers: slip, string stability, growth with the length of the platoon.
 
-use super::answer::{Answer, steady};
+use super::answer::{StudyAnswer, steady};
 use crate::StudyError;
-use crate::delay::grid::{Cell, Grid};
+use crate::delay::grid::{Grid, GridCell};
 use crate::delay::point::Point;
 use crate::delay::run_points::run_points;
 
@@ -10,12 +10,12 @@ use crate::delay::run_points::run_points;
 const PLATOON_SIZES: [u32; 4] = [2, 3, 5, 8];
 
 /// The smallest delay at which a follower slips, for each gain, limit and protocol.
-pub(super) fn slip(points: &[Point]) -> Answer {
+pub(super) fn slip(points: &[Point]) -> StudyAnswer {
     let steady = steady(points);
-    let mut groups: Vec<(&Cell, Option<(f64, f64)>)> = Vec::new();
+    let mut groups: Vec<(&GridCell, Option<(f64, f64)>)> = Vec::new();
     for point in &steady {
         let cell = &point.cell;
-        let same = |other: &&mut (&Cell, Option<(f64, f64)>)| {
+        let same = |other: &&mut (&GridCell, Option<(f64, f64)>)| {
             let mut at_this_delay = other.0.clone();
             at_this_delay.delay_s = cell.delay_s;
             at_this_delay == *cell
@@ -29,7 +29,7 @@ pub(super) fn slip(points: &[Point]) -> Answer {
             }
         }
     }
-    let row = |(cell, first): &(&Cell, Option<(f64, f64)>)| {
+    let row = |(cell, first): &(&GridCell, Option<(f64, f64)>)| {
         let [delay, slip] = match first {
             Some((delay_s, slip_s)) => [format!("{:.0}", 1e3 * delay_s), format!("{slip_s:.3}")],
             None => ["nowhere in the grid".to_owned(), "0".to_owned()],
@@ -44,7 +44,7 @@ pub(super) fn slip(points: &[Point]) -> Answer {
         .iter()
         .filter(|(_, first)| first.is_some_and(|(delay_s, _)| delay_s == least));
     let never = groups.iter().filter(|(_, first)| first.is_none());
-    Answer::new(
+    StudyAnswer::new(
         "At which delay does slip begin?",
         format!(
             "At the least delay already in {} of {} cases: there the profile's own acceleration makes followers slip. \
@@ -62,7 +62,7 @@ pub(super) fn slip(points: &[Point]) -> Answer {
 }
 
 /// The measured gain of the spacing error from robot to robot, beside that of the linear model.
-pub(super) fn gain(points: &[Point]) -> Option<Answer> {
+pub(super) fn gain(points: &[Point]) -> Option<StudyAnswer> {
     let steady = steady(points);
     let both: Vec<(f64, f64)> = steady
         .iter()
@@ -75,7 +75,7 @@ pub(super) fn gain(points: &[Point]) -> Option<Answer> {
     let (least, most) = (least?, most?);
     let growing = both.iter().filter(|(measured, _)| *measured > 1.0).count();
     let linear = both.iter().filter(|(_, linear)| *linear > 1.0).count();
-    Some(Answer::new(
+    Some(StudyAnswer::new(
         "Does the spacing error grow from robot to robot?",
         format!(
             "The measured gain (largest error of a follower over that of the one ahead) lies between \
@@ -91,7 +91,7 @@ pub(super) fn gain(points: &[Point]) -> Option<Answer> {
 }
 
 /// How delay adds up along platoons of several lengths: one run each, under both protocols.
-pub(super) fn growth(grid: &Grid, threads: usize) -> Result<Option<Answer>, StudyError> {
+pub(super) fn growth(grid: &Grid, threads: usize) -> Result<Option<StudyAnswer>, StudyError> {
     let all = grid.cells();
     let middle = all
         .iter()
@@ -100,10 +100,10 @@ pub(super) fn growth(grid: &Grid, threads: usize) -> Result<Option<Answer>, Stud
     let Some(first) = all.first() else {
         return Ok(None);
     };
-    let cells: Vec<Cell> = ["ring", "periodic"]
+    let cells: Vec<GridCell> = ["ring", "periodic"]
         .iter()
         .flat_map(|protocol| {
-            PLATOON_SIZES.map(|robots| Cell {
+            PLATOON_SIZES.map(|robots| GridCell {
                 robots,
                 protocol: (*protocol).to_owned(),
                 delay_s: middle.unwrap_or(first.delay_s),
@@ -142,7 +142,7 @@ pub(super) fn growth(grid: &Grid, threads: usize) -> Result<Option<Answer>, Stud
         .map(|(name, point)| (name.as_str(), point.age_s))
         .collect();
     let delay = points.first().map_or(0.0, |point| point.cell.delay_s);
-    Ok(Some(Answer::new(
+    Ok(Some(StudyAnswer::new(
         "How does it grow with the number of robots?",
         format!(
             "From {} to {} robots the age of the position in use goes {}, with {:.0} ms of delay on each link, one run \

@@ -7,5 +7,5 @@ mod equations;
 mod followers;
 mod questions;
 
-pub use answer::{Answer, Table};
+pub use answer::{StudyAnswer, Table};
 pub use questions::answers;

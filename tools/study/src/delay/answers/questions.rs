@@ -1,6 +1,6 @@
 //! All questions that a study answers, in order.
 
-use super::answer::Answer;
+use super::answer::StudyAnswer;
 use super::disturbances::{constant, random};
 use super::equations::{bound, origin, sign, which_form};
 use super::followers::{gain, growth, slip};
@@ -12,7 +12,11 @@ use crate::delay::point::Point;
 ///
 /// # Errors
 /// When a run that a question needs fails.
-pub fn answers(grid: &Grid, points: &[Point], threads: usize) -> Result<Vec<Answer>, StudyError> {
+pub fn answers(
+    grid: &Grid,
+    points: &[Point],
+    threads: usize,
+) -> Result<Vec<StudyAnswer>, StudyError> {
     let mut answers = vec![which_form(points), sign(points)];
     answers.extend(origin(grid)?);
     answers.push(bound(points));
