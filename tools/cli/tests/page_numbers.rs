@@ -110,7 +110,7 @@ fn numbers(value: &Value, into: &mut Vec<f64>) {
     }
 }
 
-/// Headline and the sentences under it, without names of files, of robots and of equations.
+/// Headline and the sentences under it.
 fn head(page: &str) -> String {
     let mut text = String::new();
     for (from, to) in [("<h1", "</h1>"), ("<p class=\"lead\"", "</p>")] {

@@ -236,20 +236,18 @@ fn a_trial_interrupted_before_its_first_answer_leaves_no_scores() {
     assert!(!folder.path().join("trial.json").exists());
 }
 
-/// What an interrupted trial has is printed and written, beside the results of an earlier, whole one.
-#[test]
-fn an_interrupted_trial_keeps_what_it_has() {
-    let folder = tempfile::tempdir().unwrap();
-    let begun = folder.path().join("begun");
-    // the third case does not end
-    let program = format!(
+/// A program that answers two cases; the third one does not end. The place of the answer comes after `--json`.
+fn third_hangs(folder: &Path) -> String {
+    format!(
         "echo >> '{0}'; [ $(wc -l < '{0}') -lt 3 ] || exec sleep 60; echo '{{\"verdict\": \"match\"}}' > \"$6\"",
-        begun.display()
-    );
-    write_seven(folder.path(), &program);
-    std::fs::write(folder.path().join("trial.html"), "whole").unwrap();
-    let arguments = [&WITH[..], &["--report", "trial.html", "--force"]].concat();
-    let child = command(folder.path(), &arguments).spawn().unwrap();
+        folder.join("begun").display()
+    )
+}
+
+/// Runs a trial with that program, interrupts it in the third case, and checks what it prints.
+fn interrupt_at_third(folder: &Path, arguments: &[&str]) {
+    let begun = folder.join("begun");
+    let child = command(folder, arguments).spawn().unwrap();
     let is_third = || std::fs::read_to_string(&begun).is_ok_and(|text| text.lines().count() == 3);
     let output = interrupt_when(child, is_third);
     assert_eq!(output.status.code(), Some(130), "{output:?}");
@@ -257,6 +255,16 @@ fn an_interrupted_trial_keeps_what_it_has() {
     for words in ["2 cases", "Interrupted: the remaining cases are missing."] {
         assert!(said.contains(words), "{said}");
     }
+}
+
+/// What an interrupted trial has is printed and written, beside the results of an earlier, whole one.
+#[test]
+fn an_interrupted_trial_keeps_what_it_has() {
+    let folder = tempfile::tempdir().unwrap();
+    write_seven(folder.path(), &third_hangs(folder.path()));
+    std::fs::write(folder.path().join("trial.html"), "whole").unwrap();
+    let arguments = [&WITH[..], &["--report", "trial.html", "--force"]].concat();
+    interrupt_at_third(folder.path(), &arguments);
     let report = read_json(&folder.path().join("trial.json"));
     assert_eq!(report["interrupted"], true);
     assert_eq!(report["cases"], 2);
@@ -273,23 +281,10 @@ fn an_interrupted_trial_on_a_recording_keeps_what_it_has() {
     let folder = tempfile::tempdir().unwrap();
     let recorded = slipstream(folder.path(), &["run", "single", "--out", "own.mcap"]);
     assert!(recorded.status.success(), "{recorded:?}");
-    let begun = folder.path().join("begun");
-    // the third case does not end; the place of the answer comes after `--json`
-    let program = format!(
-        "echo >> '{0}'; [ $(wc -l < '{0}') -lt 3 ] || exec sleep 60; echo '{{\"verdict\": \"match\"}}' > \"$6\"",
-        begun.display()
-    );
-    write_program(folder.path(), &program);
+    write_program(folder.path(), &third_hangs(folder.path()));
     let arguments = "trial --on own.mcap --with program --json on.json --report on.html";
     let arguments: Vec<&str> = arguments.split(' ').collect();
-    let child = command(folder.path(), &arguments).spawn().unwrap();
-    let is_third = || std::fs::read_to_string(&begun).is_ok_and(|text| text.lines().count() == 3);
-    let output = interrupt_when(child, is_third);
-    assert_eq!(output.status.code(), Some(130), "{output:?}");
-    let said = String::from_utf8(output.stdout).unwrap();
-    for words in ["2 cases", "Interrupted: the remaining cases are missing."] {
-        assert!(said.contains(words), "{said}");
-    }
+    interrupt_at_third(folder.path(), &arguments);
     let report = read_json(&folder.path().join("on.json"));
     assert_eq!(report["interrupted"], true);
     let page = std::fs::read_to_string(folder.path().join("on.html")).unwrap();

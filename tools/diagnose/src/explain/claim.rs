@@ -116,6 +116,13 @@ impl Value {
         }
     }
 
+    /// The same change seen from the other side: what was below is above.
+    pub(crate) fn negate(&mut self) {
+        self.change = -self.change;
+        self.half.reverse();
+        self.halves = self.halves.map(|own| own.map(|half| -half));
+    }
+
     /// What the change makes of a nominal value.
     pub(crate) fn applied(&self, nominal: Option<f64>, change: f64) -> f64 {
         match self.link {

@@ -169,8 +169,7 @@ impl Naming<'_> {
         let mut effects = ["imu_latency", "wheels_latency"];
         if own.latency_s < 0.0 {
             effects.reverse();
-            value.change = -value.change;
-            value.half.reverse();
+            value.negate();
         }
         let toggles = shared.iter().copied().chain([own.index]).chain(rate);
         Claim {

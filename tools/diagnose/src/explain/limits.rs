@@ -11,7 +11,7 @@ use super::sight::{self, SIGMAS};
 use crate::answer::{Limit, Seen};
 use crate::estimate::scoring::Problem;
 use crate::estimate::term::{Attribution, Link, Term};
-use crate::filter::motion_law::TABLES;
+use crate::filter::motion_law::table_of;
 use crate::judge::POSE;
 use crate::model::from_wheels::LAW_FIRST;
 use crate::model::streams::{Joint, ROBUST};
@@ -137,8 +137,7 @@ fn named(
     index: usize,
 ) -> Option<(&'static str, Link)> {
     if shown.effect == "unknown" {
-        let own = moved.checked_sub(LAW_FIRST)?;
-        let table = TABLES.iter().rfind(|table| table.first <= own)?;
+        let table = table_of(moved.checked_sub(LAW_FIRST)?)?;
         return (number == 0).then_some((table.meaning, Link::Identity));
     }
     let mut values = shown.values.iter();

@@ -6,7 +6,7 @@ use super::claim::{Claim, Law, Value};
 use super::fitted::Fitted;
 use super::search::{Searched, problem};
 use crate::estimate::term::{self, Attribution, Link, Search, Term};
-use crate::filter::motion_law::TABLES;
+use crate::filter::motion_law::table_of;
 use crate::model::from_wheels::LAW_FIRST;
 use crate::model::streams::{Joint, ROBUST, Streams};
 use crate::select::criterion::FALSE_ALARM;
@@ -226,12 +226,9 @@ impl Naming<'_> {
         if total >= 0.0 {
             return;
         }
-        let value = &mut claim.values[0];
-        value.change *= sign;
         if sign < 0.0 {
-            value.half.reverse();
+            claim.values[0].negate();
         }
-        value.halves = value.halves.map(|own| own.map(|half| sign * half));
         claim.effect = effect;
         claim.confused.retain(|own| *own != effect);
         if sign < 0.0 {
@@ -251,10 +248,7 @@ impl Naming<'_> {
             return;
         }
         claim.effect = "encoder_scale";
-        for value in &mut claim.values {
-            value.change = -value.change;
-            value.halves = value.halves.map(|own| own.map(|half| -half));
-        }
+        claim.values.iter_mut().for_each(Value::negate);
         claim.confused = vec!["wheel_radius"];
     }
 
@@ -346,8 +340,7 @@ impl Naming<'_> {
             .parameters
             .first()
             .and_then(|index| moved(index).first())?;
-        let own = first.checked_sub(LAW_FIRST)?;
-        let table = TABLES.iter().rfind(|table| table.first <= own)?;
+        let table = table_of(first.checked_sub(LAW_FIRST)?)?;
         let knots = self.streams.reference.knots[table.over];
         let fit = &self.found.selected.fit;
         // values are linear in the parameters: the weights of each

@@ -55,6 +55,11 @@ pub(crate) const TABLES: [Table; 3] = [
         count: BESIDE - 1,
     },
 ];
+/// The table to which a parameter of all tables belongs.
+pub(crate) fn table_of(parameter: usize) -> Option<&'static Table> {
+    TABLES.iter().rfind(|table| table.first <= parameter)
+}
+
 /// The first parameter of the table that adds a turn rate.
 pub(crate) const OF_TURNS: usize = 2 * BESIDE - 1;
 /// Parameters of all tables.
