@@ -250,7 +250,7 @@ impl<C: Controller> Process<C> {
         let last = self.endpoint.newest_encoders()?;
         let links = self.endpoint.links();
         let report = self.node.finish(last.as_ref(), links, &mut self.records)?;
-        self.records.flush();
+        self.records.finish();
         Ok(AgentOutcome {
             report,
             ended: ended.into(),

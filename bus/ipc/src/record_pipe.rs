@@ -19,6 +19,8 @@ use crate::trace;
 pub const FLUSH_PERIOD: Duration = Duration::from_millis(100);
 /// Pause between two attempts to send while the recorder's queue is full.
 const RETRY_PERIOD: Duration = Duration::from_micros(200);
+/// Time that a recorder which lives has to take what was sent last.
+const TAKE_TIMEOUT: Duration = Duration::from_secs(5);
 /// Size of the source number at the begin of a chunk (bytes).
 const SOURCE_BYTES: usize = 4;
 /// Upper bound of the size of an encoded record (bytes). The largest one, an outer tick, has 17
@@ -98,6 +100,21 @@ impl ChunkSender {
         }
     }
 
+    /// Waits until the recorder has taken what was sent, as long as it lives. To be called before the sender is dropped:
+    /// a recorder that has not looked since the sender was made never learns of it, and its chunks are lost.
+    pub fn await_taken(&self) {
+        let page = self.presence.wake_page();
+        let (before, begin) = (page.emptied(), Instant::now());
+        // The look that ends next may have begun before the last chunk was sent; the one after it has not.
+        while page.emptied().wrapping_sub(before) < 2
+            && self.recorder_lives()
+            && begin.elapsed() < TAKE_TIMEOUT
+        {
+            self.presence.show();
+            std::thread::sleep(RETRY_PERIOD);
+        }
+    }
+
     /// Whether there is still a recorder that may take chunks.
     pub fn recorder_lives(&self) -> bool {
         !self.presence.wake_page().recorder_gone() && self.presence.check_launcher().is_ok()
@@ -146,6 +163,14 @@ impl RecordSender {
     pub fn flush(&mut self) {
         trace::drain(|t_ns, bytes| self.trace(t_ns, bytes));
         self.send();
+    }
+
+    /// Sends everything and waits until the recorder has taken it. To be called at the end of a process.
+    pub fn finish(&mut self) {
+        self.flush();
+        if let Some(port) = &self.port {
+            port.await_taken();
+        }
     }
 
     fn send(&mut self) {
@@ -205,6 +230,7 @@ impl Recorder for RecordSender {
 #[derive(Debug)]
 pub struct RecordReceiver {
     subscriber: RecordSubscriber,
+    presence: Presence,
 }
 
 impl RecordReceiver {
@@ -212,9 +238,10 @@ impl RecordReceiver {
     ///
     /// # Errors
     /// The port cannot be created.
-    pub fn new(services: &Services) -> Result<Self, BusError> {
+    pub fn new(services: &Services, presence: Presence) -> Result<Self, BusError> {
         Ok(Self {
             subscriber: services.record_subscriber()?,
+            presence,
         })
     }
 
@@ -237,6 +264,9 @@ impl RecordReceiver {
             .subscriber
             .receive()
             .map_err(|e| BusError::failed("records", e))?;
+        if sample.is_none() {
+            self.presence.wake_page().count_emptied();
+        }
         Ok(sample.map(|sample| with(sample.payload())))
     }
 }

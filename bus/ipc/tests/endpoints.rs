@@ -295,7 +295,11 @@ fn records_reach_the_recorder_in_order_and_with_their_source() {
     let run = Run::prepare();
     let wake_page = Rc::new(run.wake_page());
     let services = Services::join(&run.directory, &run.experiment, "test").unwrap();
-    let receiver = RecordReceiver::new(&services).unwrap();
+    let receiver = RecordReceiver::new(
+        &services,
+        Presence::new(wake_page.clone(), Member::Recorder, Parent::now()),
+    )
+    .unwrap();
     let mut sender = RecordSender::new(
         &services,
         Presence::new(wake_page, Member::Agent(1), Parent::now()),
@@ -326,5 +330,42 @@ fn records_reach_the_recorder_in_order_and_with_their_source() {
     {}
     assert_eq!((received, sender.lost()), (records, 0));
     drop((sender, receiver, services));
+    run.remove();
+}
+
+#[test]
+fn a_recorder_that_looks_late_gets_what_a_sender_left() {
+    let run = Run::prepare();
+    let services = Services::join(&run.directory, &run.experiment, "test").unwrap();
+    let presence = |member| Presence::new(Rc::new(run.wake_page()), member, Parent::now());
+    let receiver = RecordReceiver::new(&services, presence(Member::Recorder)).unwrap();
+    let record = Record::Event {
+        t_ns: 1,
+        robot: Some(1),
+        kind: EventKind::WatchdogFired,
+    };
+    let received = thread::scope(|scope| {
+        let left = scope.spawn(|| {
+            let services = Services::join(&run.directory, &run.experiment, "agent").unwrap();
+            let presence = presence(Member::Agent(1));
+            let mut sender = RecordSender::new(&services, presence, 2, PLANT_CHUNK, true).unwrap();
+            sender.record(&record);
+            sender.finish();
+        });
+        // The sender has nothing else to do and would be gone by now.
+        thread::sleep(Duration::from_millis(100));
+        let mut received = Vec::new();
+        while !left.is_finished() {
+            let seen = receiver.poll(|source, entry| {
+                if let Entry::Record(record) = entry {
+                    received.push((source, record));
+                }
+            });
+            seen.unwrap();
+        }
+        received
+    });
+    assert_eq!(received, [(2, record)]);
+    drop((receiver, services));
     run.remove();
 }

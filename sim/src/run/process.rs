@@ -110,7 +110,7 @@ pub fn run(folder: &Path, launcher: Parent, recording: bool) -> Result<PlantOutc
         )
     };
     joined.wake_page().advance(Stage::Over);
-    records.flush();
+    records.finish();
     Ok(PlantOutcome {
         report: observer.finish(&world),
         ended: ended.into(),

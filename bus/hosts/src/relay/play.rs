@@ -51,7 +51,7 @@ impl<'a> Play<'a> {
                 .collect(),
             plant: PlantEndpoint::new(services, joined.presence.clone())?,
             crossing: CrossingLinks::new(services)?,
-            records: RecordReceiver::new(services)?,
+            records: RecordReceiver::new(services, joined.presence.clone())?,
             chunks: Vec::new(),
             contact: Contact::now(),
             timeout: Duration::from_secs_f64(experiment.settings.host_timeout_s),

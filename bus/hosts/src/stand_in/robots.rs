@@ -239,6 +239,9 @@ impl Robots {
         }
         self.lost_chunks += self.chunks.len() as u64;
         self.chunks.clear();
+        if let Some(recorder) = &self.recorder {
+            recorder.await_taken();
+        }
     }
 
     /// Number of chunks of records that did not reach the recorder.

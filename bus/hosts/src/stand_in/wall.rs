@@ -78,7 +78,7 @@ pub(super) fn pass_on(
         robots.hand_over();
         own.flush_if_due();
     }
-    own.flush();
+    own.finish();
     Ok(())
 }
 

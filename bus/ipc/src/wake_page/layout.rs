@@ -25,6 +25,8 @@ pub(super) struct Header {
     pub(super) robots: AtomicU32,
     pub(super) stop: AtomicU32,
     pub(super) recorder_gone: AtomicU32,
+    /// Counts up whenever the recorder finds that it has taken all chunks of records; wraps around.
+    pub(super) emptied: AtomicU32,
     /// Number of robots whose agents run on another host.
     pub(super) remote: AtomicU32,
     /// Number of deaths of the plant, at most one.

@@ -13,7 +13,7 @@ use super::layout::{Header, Slot};
 
 /// Identifies the layout. It changes with the layout, so that builds with different layouts do not
 /// share a page.
-const MAGIC: u32 = 0x5350_0003;
+const MAGIC: u32 = 0x5350_0004;
 
 /// The mapped page.
 #[derive(Debug)]

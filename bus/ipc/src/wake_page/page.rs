@@ -129,6 +129,16 @@ impl WakePage {
         self.header().recorder_gone.load(Ordering::Acquire) != 0
     }
 
+    /// Recorder: counts that it has looked at all senders and found nothing more.
+    pub(crate) fn count_emptied(&self) {
+        self.header().emptied.fetch_add(1, Ordering::AcqRel);
+    }
+
+    /// How often the recorder has found that it has taken everything; wraps around.
+    pub(crate) fn emptied(&self) -> u32 {
+        self.header().emptied.load(Ordering::Acquire)
+    }
+
     /// Launcher: counts a death of a robot's agent, or of the plant (`None`).
     pub fn count_death(&self, robot: Option<usize>) {
         self.deaths_of(robot).fetch_add(1, Ordering::AcqRel);

@@ -287,7 +287,7 @@ impl<'a> Run<'a> {
     /// restarts the agent.
     fn after_end(&mut self, index: usize) -> std::io::Result<()> {
         let role = self.children[index].role;
-        if role == Role::Recorder {
+        if role.ends_last() {
             self.wake_page.set_recorder_gone();
         }
         let time_s = s_from_ns(self.wake_page.progress().0);

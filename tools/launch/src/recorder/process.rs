@@ -59,7 +59,7 @@ pub(crate) fn run(
         }
     };
     let services = joined.services("recorder")?;
-    let receiver = RecordReceiver::new(&services)?;
+    let receiver = RecordReceiver::new(&services, joined.presence.clone())?;
     let served = serve.map(|(address, waits)| Served::start(&joined, &mut sink, address, waits));
     let served = served.transpose()?;
     joined.wake_page().signal_ready();

@@ -111,7 +111,11 @@ fn traced(process: &str) -> Tracing {
 /// Receives the chunks of records of a run until all its processes have ended.
 fn record(folder: &Path) -> Vec<Vec<u8>> {
     let joined = JoinedRun::new(folder, Member::Recorder, Parent::now()).unwrap();
-    let receiver = RecordReceiver::new(&joined.services("recorder").unwrap()).unwrap();
+    let receiver = RecordReceiver::new(
+        &joined.services("recorder").unwrap(),
+        joined.presence.clone(),
+    )
+    .unwrap();
     joined.wake_page().signal_ready();
     let mut chunks = Vec::new();
     loop {

@@ -118,7 +118,7 @@ pub fn run_over(
     let ended = robots.drive();
     robots.leave();
     joined.wake_page().advance(Stage::Over);
-    robots.records.flush();
+    robots.records.finish();
     Ok(RobotsOutcome {
         robots: robots.fleet.reports(),
         max_spacing_error_m: robots.spacing.largest_m.clone(),
