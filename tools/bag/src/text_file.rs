@@ -1,5 +1,6 @@
 //! Text files, and the pointers that Git LFS leaves in the place of large ones.
 
+use std::io::Read as _;
 use std::path::Path;
 
 use slipstream_bus::InputError;
@@ -19,23 +20,53 @@ pub fn refuse_pointer(head: &[u8], path: &Path) -> Result<(), InputError> {
     Err(InputError::file(path, problem, "run `git lfs pull`"))
 }
 
-/// Largest text that is read (bytes). Models and descriptions have a few kilobytes.
+/// Largest text that is read (bytes). The largest descriptions of robots have a few hundred kilobytes.
 const MAX_BYTES: u64 = 4 << 20;
 
-/// Reads a text file of bounded size.
+/// Reads a text file of bounded size: a description or a map, not data.
 ///
 /// # Errors
 /// If the file cannot be read, is not UTF-8, is too large or a pointer of Git LFS.
 pub fn read_text(path: &Path) -> Result<String, InputError> {
-    let size = std::fs::metadata(path).map_err(|e| InputError::unreadable(path, &e))?;
-    if size.len() > MAX_BYTES {
-        return Err(InputError::file(
-            path,
-            format!("has {} bytes, too many for a TOML file", size.len()),
-            "give a TOML file, not the data",
-        ));
+    let unreadable = |error: std::io::Error| InputError::unreadable(path, &error);
+    let file = std::fs::File::open(path).map_err(unreadable)?;
+    let mut bytes = Vec::new();
+    let read = file.take(MAX_BYTES + 1).read_to_end(&mut bytes);
+    read.map_err(unreadable)?;
+    refuse_pointer(&bytes, path)?;
+    if bytes.len() as u64 > MAX_BYTES {
+        let problem = format!("has more than {MAX_BYTES} bytes, too many for a description");
+        let remedy =
+            "give the file that describes robot or data (TOML, URDF or YAML), not the data";
+        return Err(InputError::file(path, problem, remedy));
     }
-    let text = std::fs::read_to_string(path).map_err(|e| InputError::unreadable(path, &e))?;
-    refuse_pointer(text.as_bytes(), path)?;
-    Ok(text)
+    String::from_utf8(bytes).map_err(|error| {
+        let before = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count() as u64;
+        InputError::file(path, "is not UTF-8", "save it as UTF-8").at(line)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_that_is_too_large_or_no_text_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("robot.urdf");
+        let error = |content: &[u8]| {
+            std::fs::write(&file, content).unwrap();
+            read_text(&file).unwrap_err()
+        };
+        assert!(
+            error(&vec![b' '; (4 << 20) + 1])
+                .problem
+                .starts_with("has more than")
+        );
+        let pointer = error(b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n");
+        assert!(pointer.problem.starts_with("is a pointer of Git LFS"));
+        let latin = error(b"<robot>\n<link name=\"r\xe4der\"/>");
+        assert_eq!((latin.line, &*latin.problem), (Some(2), "is not UTF-8"));
+    }
 }

@@ -214,7 +214,7 @@ pub fn describe_robots(
 /// The text that describes a robot, and its place.
 fn description(path: &Path) -> Result<(PathBuf, String)> {
     if !path.is_dir() && !is_bag(path)? {
-        return Ok((path.to_owned(), robot_file::read_text(path)?));
+        return Ok((path.to_owned(), slipstream_bag::read_text(path)?));
     }
     match PathForm::of(path)? {
         PathForm::Bag(bag) => description_in(&bag, path),

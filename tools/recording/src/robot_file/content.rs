@@ -1,38 +1,8 @@
-//! The text of a file, and which kind of description it is.
+//! Which kind of description a text is.
 
-use std::io::Read as _;
 use std::path::Path;
 
-use slipstream_bag::refuse_pointer;
-use slipstream_bus::InputError;
-
 use super::described::Kind;
-
-/// Largest file that is read (bytes). The largest robots have a few hundred kilobytes.
-const MAX_BYTES: u64 = 4 << 20;
-
-/// Reads a text of bounded size.
-///
-/// # Errors
-/// If the file cannot be read, is not UTF-8 or is too large.
-pub(crate) fn read_text(path: &Path) -> Result<String, InputError> {
-    let unreadable = |error: std::io::Error| InputError::unreadable(path, &error);
-    let file = std::fs::File::open(path).map_err(unreadable)?;
-    let mut bytes = Vec::new();
-    let read = file.take(MAX_BYTES + 1).read_to_end(&mut bytes);
-    read.map_err(unreadable)?;
-    refuse_pointer(&bytes, path)?;
-    if bytes.len() as u64 > MAX_BYTES {
-        let problem = format!("has more than {MAX_BYTES} bytes, too many for a robot");
-        let remedy = "give a robot.toml, a URDF or the YAML of a controller";
-        return Err(InputError::file(path, problem, remedy));
-    }
-    String::from_utf8(bytes).map_err(|error| {
-        let before = &error.as_bytes()[..error.utf8_error().valid_up_to()];
-        let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count() as u64;
-        InputError::file(path, "is not UTF-8", "save it as UTF-8").at(line)
-    })
-}
 
 /// The kind of a text, from its first line that says something. Where that could be anything, the ending of
 /// the file's name decides.
@@ -112,24 +82,5 @@ mod tests {
         assert_eq!(kind("a:\n", Path::new("a.toml")), Kind::ControllerYaml);
         assert_eq!(kind("#define A 1\n", Path::new("a.h")), Kind::Constants);
         assert_eq!(kind("x = 1\n", Path::new("a.py")), Kind::Constants);
-    }
-
-    #[test]
-    fn a_file_that_is_too_large_or_no_text_is_refused() {
-        let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join("robot.urdf");
-        let error = |content: &[u8]| {
-            std::fs::write(&file, content).unwrap();
-            read_text(&file).unwrap_err()
-        };
-        assert!(
-            error(&vec![b' '; (4 << 20) + 1])
-                .problem
-                .starts_with("has more than")
-        );
-        let pointer = error(b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n");
-        assert!(pointer.problem.starts_with("is a pointer of Git LFS"));
-        let latin = error(b"<robot>\n<link name=\"r\xe4der\"/>");
-        assert_eq!((latin.line, &*latin.problem), (Some(2), "is not UTF-8"));
     }
 }

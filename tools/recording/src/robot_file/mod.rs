@@ -35,12 +35,10 @@ mod xml;
 
 use std::path::Path;
 
-use slipstream_bag::Result;
+use slipstream_bag::{Result, read_text};
 use slipstream_bus::{InputError, RobotModel};
 
 pub use described::{Described, Kind, Missing, Source, Taken};
-
-pub(crate) use content::read_text;
 
 /// Reads the model of a robot from its description in one file.
 ///
