@@ -3,8 +3,8 @@
 //! Of a row with innovation ν and covariance S: score ∂ log L, information
 //! ∂ν' S⁻¹ ∂ν + ½ tr(S⁻¹ ∂S S⁻¹ ∂S), weighted by the probability that the row is an ordinary one.
 
-use nalgebra::{Const, DMatrix, DVector, SVector};
-use num_dual::{Derivative, DualSVec64};
+use nalgebra::{DMatrix, DVector};
+use num_dual::DualSVec64;
 use rayon::prelude::*;
 
 use super::BlockScore;
@@ -46,10 +46,7 @@ impl Rows {
                 .enumerate()
                 .map(
                     |(index, value)| match lanes.iter().position(|f| *f == index) {
-                        Some(lane) => Dual::new(
-                            *value,
-                            Derivative::derivative_generic(Const::<LANES>, Const::<1>, lane),
-                        ),
+                        Some(lane) => Dual::from_re(*value).derivative(lane),
                         None => Dual::from_re(*value),
                     },
                 )
@@ -90,7 +87,7 @@ impl Rows {
             let numbers = derivatives.whitened(lane, row.scalar);
             whitened.extend_from_slice(&numbers[..width]);
             if let Some(score) = self.scores[lane].last_mut() {
-                *score += derivatives.score[lane] * row.weight;
+                *score += part(&row.log_likelihood, lane) * row.weight;
             }
         }
         let end = self.whitened.first().map_or(0, Vec::len);
@@ -144,34 +141,34 @@ pub(crate) fn empty(blocks: usize, parameters: usize) -> Vec<BlockScore> {
     vec![one; blocks]
 }
 
+/// The derivative of a number in a lane.
+fn part(number: &Dual, lane: usize) -> f64 {
+    number.eps.0.as_ref().map_or(0.0, |eps| eps[lane])
+}
+
 /// Derivatives of one row.
-struct RowDerivatives {
-    score: SVector<f64, LANES>,
-    difference: [SVector<f64, LANES>; 3],
-    covariance: [[SVector<f64, LANES>; 3]; 3],
+struct RowDerivatives<'a> {
+    row: &'a Innovation<Dual>,
     /// Inverse of the Cholesky factor of S.
     inverse: [[f64; 3]; 3],
     weight: f64,
 }
 
-fn part(number: &Dual) -> SVector<f64, LANES> {
-    number.eps.unwrap_generic(Const::<LANES>, Const::<1>)
-}
-
-impl RowDerivatives {
-    fn new(row: &Innovation<Dual>) -> Self {
-        let mut s = row.covariance.map(|line| line.map(|x| x.re));
+impl<'a> RowDerivatives<'a> {
+    fn new(row: &'a Innovation<Dual>) -> Self {
+        let mut s = [[0.0; 3]; 3];
+        for (s, covariance) in s.iter_mut().zip(&row.covariance) {
+            for (s, covariance) in s.iter_mut().zip(covariance) {
+                *s = covariance.re;
+            }
+        }
         for (i, line) in s.iter_mut().enumerate() {
             if line[i] <= 0.0 {
                 line[i] = 1.0;
             }
         }
         Self {
-            score: part(&row.log_likelihood),
-            difference: std::array::from_fn(|i| part(&row.difference[i])),
-            covariance: std::array::from_fn(|i| {
-                std::array::from_fn(|k| part(&row.covariance[i][k]))
-            }),
+            row,
             inverse: inverse_factor(&s),
             weight: (row.weight * row.ordinary).sqrt(),
         }
@@ -181,25 +178,31 @@ impl RowDerivatives {
     /// matrix the lower half, what stands beside the diagonal √2 times.
     fn whitened(&self, lane: usize, scalar: bool) -> [f64; WIDTH] {
         use std::f64::consts::FRAC_1_SQRT_2;
-        let c = &self.inverse;
+        let (c, row) = (&self.inverse, self.row);
         let mut out = [0.0; WIDTH];
         if scalar {
-            let [own, s] = [self.difference[0][lane], self.covariance[0][0][lane]];
+            let [own, s] = [
+                part(&row.difference[0], lane),
+                part(&row.covariance[0][0], lane),
+            ];
             out[0] = c[0][0] * own * self.weight;
             out[1] = c[0][0] * c[0][0] * s * self.weight * FRAC_1_SQRT_2;
             return out;
         }
         for i in 0..3 {
             out[i] = (0..=i)
-                .map(|k| c[i][k] * self.difference[k][lane])
+                .map(|k| c[i][k] * part(&row.difference[k], lane))
                 .sum::<f64>()
                 * self.weight;
         }
-        let half: [[f64; 3]; 3] = std::array::from_fn(|i| {
-            std::array::from_fn(|k| (0..=i).map(|l| c[i][l] * self.covariance[l][k][lane]).sum())
-        });
         let mut place = 3;
-        for (i, half) in half.iter().enumerate() {
+        for (i, factor) in c.iter().enumerate() {
+            let mut half = [0.0; 3];
+            for (l, own) in factor.iter().enumerate().take(i + 1) {
+                for (half, covariance) in half.iter_mut().zip(&row.covariance[l]) {
+                    *half += own * part(covariance, lane);
+                }
+            }
             for (k, c) in c.iter().enumerate().take(i + 1) {
                 let full: f64 = (0..=k).map(|l| half[l] * c[l]).sum();
                 let share = if i == k { FRAC_1_SQRT_2 } else { 1.0 };

@@ -175,7 +175,7 @@ impl WheelsToPose<'_> {
         } else {
             S::constant(self.first_heading_rad)
         };
-        let (sin, cos) = (yaw.sin(), yaw.cos());
+        let (sin, cos) = yaw.sin_cos();
         let zero = S::constant(0.0);
         let mut p = [[zero; 3]; 3];
         p[0][0] = S::constant(0.25);
@@ -248,7 +248,7 @@ impl WheelsToPose<'_> {
         [v, w]: [S; 2],
     ) -> Innovation<S> {
         let zero = S::constant(0.0);
-        let (sin, cos) = (state.mean[2].sin(), state.mean[2].cos());
+        let (sin, cos) = state.mean[2].sin_cos();
         let (mut difference, by_heading) = observed(physics.offset, &state.mean, z);
         // an error of the stamp displaces the row along the motion
         let moved = [v * cos, v * sin, w];
@@ -287,7 +287,7 @@ impl WheelsToPose<'_> {
 /// A pose of the tracked point minus the one predicted from that of the axle, and derivatives of the predicted place
 /// by the heading of the axle.
 fn observed<S: Scalar>([ox, oy, oyaw]: [S; 3], axle: &[S; 3], z: &[f64; 3]) -> ([S; 3], [S; 2]) {
-    let (sin, cos) = (axle[2].sin(), axle[2].cos());
+    let (sin, cos) = axle[2].sin_cos();
     // derivatives of the tracked point by the heading
     let lever = [-(ox * sin + oy * cos), ox * cos - oy * sin];
     let difference = [
@@ -324,7 +324,7 @@ impl<S: Scalar> State<S> {
     /// One arc of length `way` and angle `turn`, with variances along, across and of the heading.
     fn advance(&mut self, arc: Arc<S>, [along, across, heading]: [S; 3]) {
         let middle = self.mean[2] + arc.turn * 0.5;
-        let (sin, cos) = (middle.sin(), middle.cos());
+        let (sin, cos) = middle.sin_cos();
         let chord = arc.chord_m();
         self.mean[0] += chord * cos;
         self.mean[1] += chord * sin;
