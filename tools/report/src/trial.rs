@@ -183,7 +183,7 @@ fn detectable(report: &OwnReport) -> Markup {
 }
 
 fn sentence(report: &TrialReport) -> String {
-    let concealed = report.cases - report.nulls;
+    let [concealed, exact] = report.concealed();
     let held = report
         .each
         .iter()
@@ -198,11 +198,9 @@ fn sentence(report: &TrialReport) -> String {
         String::new()
     };
     format!(
-        "{} of {concealed} concealed effects were named with their size, {} false alarm{}, {} wrong{intervals}.",
-        report.exact,
-        report.false_alarms,
-        if report.false_alarms == 1 { "" } else { "s" },
-        report.wrong
+        "What was concealed was named with its size in {exact} of {concealed} cases, {} wrong; false alarms in {} of {} cases \
+         without an effect{intervals}.",
+        report.wrong, report.false_alarms, report.nulls
     )
 }
 
@@ -301,16 +299,17 @@ fn intervals(report: &TrialReport) -> Markup {
         ));
     }
     let most = heights.iter().copied().max().unwrap_or(1);
-    let value = |own: Option<f64>| own.map_or("–".to_owned(), |own| fixed(own, 3));
+    let value = |own: Option<f64>| own.map_or("–".to_owned(), short);
     html! {
         figure class="card" {
             figcaption { h3 { "95 % intervals held " (report.coverage95.map_or("–".to_owned(), |own| format!("{}\u{202f}%", fixed(100.0 * own, 1)))) }
                 "One dot a parameter: its error in stated standard deviations; shaded: 95 %" }
             (Frame::new(Scale::new(-6.0, 6.0, 6), Scale::new(0.0, f64::from(most) + 1.0, 4), 200, "Errors of parameters in stated standard deviations")
                 .x_axis("").span(None, [-1.96, 1.96]).dots(Ink::After, &dots, 6.0).markup())
-            p class="small" { "Root mean square " (value(report.error_over_stated)) "; over the least possible deviation "
-                (value(report.error_over_least)) ". Values beyond 6 stand at 6. Median relative error "
-                (value(report.median_relative_error)) "." }
+            p class="small" { "Errors are " (value(report.error_over_stated)) " times the stated standard deviation (root mean square) and "
+                (value(report.error_over_least)) " times the least that any method can reach on the same data (Cramér-Rao bound); in the \
+                 median they are " (value(report.median_relative_error.map(|own| 100.0 * own))) "\u{202f}% of the value. Values beyond 6 \
+                 stand at 6." }
         }
     }
 }

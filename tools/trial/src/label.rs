@@ -42,6 +42,13 @@ pub struct Label {
     pub unknown: Option<UnknownPhysics>,
 }
 
+impl Label {
+    /// Whether nothing is concealed.
+    pub fn is_null(&self) -> bool {
+        self.effects.is_empty() && self.unknown.is_none()
+    }
+}
+
 /// The verdict of a diagnosis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]

@@ -81,6 +81,17 @@ pub struct TrialReport {
     pub each: Vec<ScoredCase>,
 }
 
+impl TrialReport {
+    /// Cases in which something is concealed: how many, and how many of them were answered exactly.
+    pub fn concealed(&self) -> [usize; 2] {
+        let concealed = self.each.iter().filter(|own| !own.label.is_null());
+        concealed.fold([0; 2], |[all, exact], own| {
+            let is_exact = own.score.grade == TrialGrade::Exact;
+            [all + 1, exact + usize::from(is_exact)]
+        })
+    }
+}
+
 /// The cases of one kind, counted by grade.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FamilyCounts {
@@ -237,12 +248,10 @@ pub fn tally(
     let ratio =
         named.filter_map(|entry| entry.score.held_out.map(|[before, after]| after / before));
     let seconds = || each.iter().filter_map(|entry| entry.seconds);
-    let nothing =
-        |entry: &&ScoredCase| entry.label.effects.is_empty() && entry.label.unknown.is_none();
     TrialReport {
         format: 1,
         cases: each.len(),
-        nulls: each.iter().filter(nothing).count(),
+        nulls: each.iter().filter(|own| own.label.is_null()).count(),
         exact: count(TrialGrade::Exact),
         inexact: count(TrialGrade::Inexact),
         look_alike: count(TrialGrade::LookAlike),

@@ -87,3 +87,17 @@ fn a_report_is_read_back_from_its_json() {
     assert_eq!(again, report);
     assert_eq!(serde_json::to_string_pretty(&again).unwrap(), text);
 }
+
+#[test]
+fn a_right_answer_to_nothing_is_no_concealed_effect_that_was_found() {
+    let labels = label::parse(LABELS, Path::new("labels.toml")).unwrap();
+    let runs = (0..3).map(|_| DiagnosisRun {
+        refused: false,
+        answer: answer::parse(r#"{"verdict": "match"}"#),
+        seconds: 1.0,
+    });
+    let scores = score(&labels, &questions(&labels, &[]), runs.collect());
+    let report = tally(scores, Vec::new(), None);
+    assert_eq!((report.nulls, report.exact, report.missed), (1, 1, 2));
+    assert_eq!(report.concealed(), [2, 0]);
+}

@@ -333,7 +333,7 @@ impl<'a> Grader<'a> {
 
     /// The grade; findings not matched by now report effects that are not there.
     fn grade(&mut self, label: &Label) -> TrialGrade {
-        let nothing = label.effects.is_empty() && label.unknown.is_none();
+        let nothing = label.is_null();
         let flags = self
             .unmatched
             .iter()
