@@ -114,7 +114,7 @@ fn stages(answer: &LatencyAnswer) -> Markup {
     let is_uncertain = |hop: &&Hop| hop.stages.iter().any(|own| !own.uncertainty_s.is_exact());
     let are_uncertain = hops.iter().any(is_uncertain);
     for hop in &hops {
-        heads.push(format!("{} → {}: p50", hop.from, hop.to));
+        heads.push(format!("{} → {}: mean", hop.from, hop.to));
         heads.push("p99".to_owned());
         if are_uncertain {
             heads.push("± clocks".to_owned());
@@ -122,7 +122,7 @@ fn stages(answer: &LatencyAnswer) -> Markup {
     }
     let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
     let cells = |own: &Percentiles, uncertainty: Uncertainty| {
-        let pair = [own.p50_s, own.p99_s].map(|value| Cell::number(value, ms(value)));
+        let pair = [own.mean_s, own.p99_s].map(|value| Cell::number(value, ms(value)));
         let clocks = are_uncertain.then(|| clocks(uncertainty));
         pair.into_iter().chain(clocks)
     };

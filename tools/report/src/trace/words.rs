@@ -16,10 +16,10 @@ pub(super) fn used(answer: &LatencyAnswer) -> impl Iterator<Item = &Hop> {
     answer.hops.iter().filter(|hop| hop.end_to_end.is_some())
 }
 
-/// The link with the median latency.
+/// The link whose latency is the middle one.
 pub(super) fn median_hop(answer: &LatencyAnswer) -> Option<&Hop> {
     let mut hops: Vec<&Hop> = used(answer).collect();
-    let end = |hop: &Hop| hop.end_to_end.map_or(0.0, |own| own.p50_s);
+    let end = |hop: &Hop| hop.end_to_end.map_or(0.0, |own| own.mean_s);
     hops.sort_by(|a, b| end(a).total_cmp(&end(b)));
     hops.get(hops.len() / 2).copied()
 }
@@ -42,14 +42,14 @@ pub fn headline(answer: &LatencyAnswer) -> String {
         return "No position was used: nothing to measure.".to_owned();
     };
     let parts = parts(hop, !answer.topics.is_empty());
-    let total = hop.end_to_end.map_or(0.0, |own| own.p50_s);
+    let total = hop.end_to_end.map_or(0.0, |own| own.mean_s);
     let end = match answer.topics.is_empty() {
         true => "torque",
         false => "command",
     };
     let beside = beside(answer, hop).unwrap_or_default();
     format!(
-        "A position takes {} ms from encoder to {end}{beside}: {}.",
+        "A position takes {} ms from encoder to {end} in the mean{beside}: {}.",
         ms(total),
         parts.join(", ")
     )
@@ -57,11 +57,11 @@ pub fn headline(answer: &LatencyAnswer) -> String {
 
 /// The two largest stages of a link and the rest, in words.
 fn parts(hop: &Hop, is_real: bool) -> Vec<String> {
-    let total = hop.end_to_end.map_or(0.0, |own| own.p50_s);
+    let total = hop.end_to_end.map_or(0.0, |own| own.mean_s);
     let mut stages: Vec<(&str, f64)> = hop
         .stages
         .iter()
-        .map(|own| (own.stage.as_ref(), own.figures.p50_s))
+        .map(|own| (own.stage.as_ref(), own.figures.mean_s))
         .collect();
     stages.sort_by(|a, b| b.1.total_cmp(&a.1));
     let count = stages
@@ -107,17 +107,16 @@ fn beside(answer: &LatencyAnswer, hop: &Hop) -> Option<String> {
     }
     let parts = own.stages.iter().filter(|own| own.changed && !is_all(own));
     let most = parts.max_by(|a, b| a.difference_s.abs().total_cmp(&b.difference_s.abs()));
-    let signed = |s: f64| format!("{}{} ms", if s < 0.0 { "−" } else { "+" }, ms(s.abs()));
+    let by = |s: f64| {
+        let word = if s < 0.0 { "less" } else { "more" };
+        format!("{} ms {word}", ms(s.abs()))
+    };
     let most = most.map_or_else(String::new, |own| {
-        format!(
-            " ({}: {})",
-            stage_name(&own.stage),
-            signed(own.difference_s)
-        )
+        format!(" ({}: {})", stage_name(&own.stage), by(own.difference_s))
     });
     Some(format!(
-        ", {} against the other run{most}",
-        signed(all.difference_s)
+        ", {} than in the other run{most}",
+        by(all.difference_s)
     ))
 }
 
