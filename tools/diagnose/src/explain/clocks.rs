@@ -6,10 +6,10 @@ use super::claim::{Claim, Value};
 use super::naming::Naming;
 use super::several_maxima::widen;
 use crate::estimate::term::Link;
-use crate::model::from_wheels::GYRO_LATENCY;
 use crate::model::run::Run;
 use crate::model::streams::read;
 use crate::model::table::Key;
+use crate::model::wheel_parameters::GYRO_LATENCY;
 use crate::select::criterion::FALSE_ALARM;
 
 /// Parameters that are clocks.

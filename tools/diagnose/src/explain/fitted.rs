@@ -3,8 +3,8 @@
 use super::search::Searched;
 use crate::model::command_to_wheels::TIMES;
 use crate::model::drive::{AVERAGED, DRIVE, LAG, PULL};
-use crate::model::from_wheels::{DRIVE_FIRST, RUN_BIAS};
 use crate::model::streams::{Streams, read};
+use crate::model::wheel_parameters::{DRIVE_FIRST, RUN_BIAS};
 
 /// Sine of the steepest slope that is said.
 const MOST_SINE: f64 = 0.99;

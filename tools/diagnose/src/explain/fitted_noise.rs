@@ -3,8 +3,8 @@
 use super::spread::{Rates, Wander};
 use crate::filter::ornstein_uhlenbeck::OrnsteinUhlenbeck;
 use crate::filter::{gyro, wheels_to_pose};
-use crate::model::from_wheels::{gyro_parameters, pose_parameters};
 use crate::model::run::Run;
+use crate::model::wheel_parameters::{gyro_parameters, pose_parameters};
 
 /// The noise of one run.
 #[derive(Debug, Clone, Copy, Default)]

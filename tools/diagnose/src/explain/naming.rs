@@ -7,8 +7,8 @@ use super::fitted::Fitted;
 use super::search::{Searched, problem};
 use crate::estimate::term::{self, Attribution, Link, Search, Term};
 use crate::filter::motion_law::table_of;
-use crate::model::from_wheels::LAW_FIRST;
 use crate::model::streams::{Joint, ROBUST, Streams};
+use crate::model::wheel_parameters::LAW_FIRST;
 use crate::select::criterion::FALSE_ALARM;
 use crate::select::selected::Kept;
 

@@ -9,8 +9,8 @@ use super::search::problem;
 use crate::answer::{ErrorLine, Figures, LawCurve, Motion, Paths, Profile};
 use crate::data::wheel_path::Turned;
 use crate::judge::POSE;
-use crate::model::from_wheels::drive_parameters;
 use crate::model::streams::{Joint, ROBUST};
+use crate::model::wheel_parameters::drive_parameters;
 use crate::predict::drawn::Drawn;
 
 /// Places of a line of motion, and the time over which a speed is averaged (s).

@@ -9,7 +9,7 @@ use crate::data::wheel_path::Turned;
 use crate::filter::arc::Carried;
 use crate::filter::wrapped;
 use crate::judge::{HEADING, PLACE, POSE};
-use crate::model::from_wheels::pose_parameters;
+use crate::model::wheel_parameters::pose_parameters;
 use crate::predict::drawn::{Place, from_robot};
 
 /// How often the time over which a start is fitted may be extended, how many poses it wants, and how many it needs with

@@ -9,8 +9,9 @@ use crate::data::wheel_path::Turned;
 use crate::judge::{GYRO, HEADING, PLACE, POSE, QUANTITIES};
 use crate::model::command_to_wheels::DriveRun;
 use crate::model::drive::{AVERAGED, Response};
-use crate::model::from_wheels::{FromWheels, drive_parameters};
+use crate::model::from_wheels::FromWheels;
 use crate::model::run::{Run, sensor_noise};
+use crate::model::wheel_parameters::drive_parameters;
 use crate::predict::window::at_most;
 
 /// Time over which the start of a window is fitted (s).

@@ -8,7 +8,7 @@ use crate::filter::motion_law::turning;
 use crate::judge::{GYRO, HEADING};
 use crate::model::command_to_wheels::DriveRun;
 use crate::model::drive::Response;
-use crate::model::from_wheels::{MACHINE, RUN_BIAS, TURNS_FIRST, gyro_parameters};
+use crate::model::wheel_parameters::{MACHINE, RUN_BIAS, TURNS_FIRST, gyro_parameters};
 
 impl Piece<'_> {
     /// Turn rates of the window, and the heading by their integral where no pose has it.

@@ -5,7 +5,6 @@
 
 use slipstream_bus::RobotModel;
 use slipstream_recording::recording::Robot;
-use slipstream_sim::Scalar;
 
 use super::command_to_wheels::drive_of;
 use super::comparison::{self, Before, SHARES};
@@ -14,46 +13,17 @@ use super::drive::DRIVE;
 use super::nominal::{self, clock_rate};
 use super::run::{RUN_NOISE, Run, Source};
 use super::volts::{self, Volts};
+use super::wheel_parameters::{
+    ASYMMETRY, COMMON, DRIVE_FIRST, GYRO_LATENCY, GYRO_RATE, LAW_FIRST, MACHINE, OFFSET_X,
+    OFFSET_Y, OFFSET_YAW, POSE_LATENCY, POSE_RATE, RUN, RUN_POSE_LATE, RUN_SCALE, RUN_SHARED,
+    TRACK, drive_parameters, pose_parameters,
+};
 use crate::data::matched::{Stamps, shift_against};
 use crate::data::reference::{POSE_STEP_S, PoseRow, match_poses, match_rates};
 use crate::data::streams::has_headings_alone;
 use crate::filter::gyro as gyro_filter;
-use crate::filter::motion_law::{Knots, LAW, OF_TURNS, TABLES};
+use crate::filter::motion_law::{Knots, TABLES};
 use crate::filter::wheels_to_pose::{self, WheelsToPose};
-
-/// Parameters of the machine.
-pub(crate) const COMMON: usize = 0;
-pub(crate) const ASYMMETRY: usize = 1;
-pub(crate) const TRACK: usize = 2;
-pub(crate) const OFFSET_X: usize = 3;
-pub(crate) const OFFSET_Y: usize = 4;
-pub(crate) const OFFSET_YAW: usize = 5;
-pub(crate) const POSE_LATENCY: usize = 6;
-pub(crate) const POSE_RATE: usize = 7;
-pub(crate) const GYRO_LATENCY: usize = 8;
-pub(crate) const GYRO_RATE: usize = 9;
-/// Parameters of the drive begin here; they matter where no wheels were recorded.
-pub(crate) const DRIVE_FIRST: usize = 10;
-/// Values of laws of speed (m/s) and of turn rate (rad/s).
-pub(crate) const LAW_FIRST: usize = DRIVE_FIRST + DRIVE;
-/// Values of the law of turns, which poses and gyro see.
-pub(crate) const TURNS_FIRST: usize = LAW_FIRST + OF_TURNS;
-/// How many there are.
-pub(crate) const MACHINE: usize = LAW_FIRST + LAW;
-/// Parameters of each run, after those of the machine: scale, track, gyro bias, then noise sizes.
-pub(crate) const RUN_SCALE: usize = 0;
-pub(crate) const RUN_TRACK: usize = 1;
-pub(crate) const RUN_BIAS: usize = 2;
-/// How much later (s) and faster the gyro's clock is in this run than in all.
-pub(crate) const RUN_LATE: usize = 3;
-pub(crate) const RUN_RATE: usize = 4;
-/// How much later (s) poses are stamped in this run than in all.
-pub(crate) const RUN_POSE_LATE: usize = 5;
-/// Noise sizes begin here.
-pub(crate) const RUN_NOISE_FIRST: usize = 6;
-const RUN: usize = RUN_NOISE_FIRST;
-/// Those that a run shares with the one from before on its course.
-const RUN_SHARED: [usize; 4] = [RUN_SCALE, RUN_TRACK, RUN_LATE, RUN_RATE];
 
 /// Values of a law, as a share of the fastest speed of a rim, or of the largest turn rate.
 const LAW_SHARE: f64 = 0.3;
@@ -541,37 +511,6 @@ fn match_runs(
         (a, b) => a.is_none() && b.is_none(),
     };
     poses && rates
-}
-
-pub(crate) fn drive_parameters<S>(local: &[S]) -> &[S] {
-    &local[DRIVE_FIRST..LAW_FIRST]
-}
-
-pub(crate) fn pose_parameters<S: Scalar>(local: &[S]) -> Vec<S> {
-    let run = &local[MACHINE..];
-    let scale = local[COMMON] + run[RUN_SCALE];
-    let half = local[ASYMMETRY] * 0.5;
-    let mut all = vec![scale + half, scale - half, local[TRACK] + run[RUN_TRACK]];
-    all.extend(&local[OFFSET_X..POSE_LATENCY]);
-    all.extend([local[POSE_LATENCY] + run[RUN_POSE_LATE], local[POSE_RATE]]);
-    all.extend(&local[LAW_FIRST..MACHINE]);
-    all.extend(&run[RUN..RUN + wheels_to_pose::NOISE]);
-    all
-}
-
-pub(crate) fn gyro_parameters<S: Scalar>(local: &[S]) -> Vec<S> {
-    let run = &local[MACHINE..];
-    let scale = local[COMMON] + run[RUN_SCALE];
-    let half = local[ASYMMETRY] * 0.5;
-    let mut all = vec![scale + half, scale - half, local[TRACK] + run[RUN_TRACK]];
-    all.extend([
-        local[GYRO_LATENCY] + run[RUN_LATE],
-        local[GYRO_RATE] + run[RUN_RATE],
-        run[RUN_BIAS],
-    ]);
-    all.extend(&local[TURNS_FIRST..MACHINE]);
-    all.extend(&run[RUN + wheels_to_pose::NOISE..]);
-    all
 }
 
 /// Values of the laws that a model lists, as parameters at these knots.

@@ -13,3 +13,4 @@ pub(crate) mod streams;
 pub(crate) mod table;
 pub(crate) mod view;
 pub(crate) mod volts;
+pub(crate) mod wheel_parameters;

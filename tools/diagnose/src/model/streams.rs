@@ -12,8 +12,9 @@ use nalgebra::DMatrix;
 use slipstream_bus::RobotModel;
 
 use super::command_to_wheels::{CommandToWheels, DriveView};
-use super::from_wheels::{DRIVE_FIRST, FromWheels};
+use super::from_wheels::FromWheels;
 use super::view::View;
+use super::wheel_parameters::DRIVE_FIRST;
 use crate::data::command::CommandPath;
 use crate::estimate::information::empty;
 use crate::estimate::{BlockScore, Likelihood};

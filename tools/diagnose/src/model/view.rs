@@ -4,12 +4,13 @@ use rayon::prelude::*;
 use slipstream_sim::Scalar;
 
 use super::comparison;
-use super::from_wheels::{
-    DRIVE_FIRST, FromWheels, GYRO_LATENCY, GYRO_RATE, LAW_FIRST, MACHINE, OFFSET_X, POSE_RATE,
-    RUN_BIAS, RUN_NOISE_FIRST, RUN_POSE_LATE, RUN_RATE, RUN_TRACK, Reference, TRACK, TURNS_FIRST,
-    drive_parameters, gyro_parameters, pose_parameters,
-};
+use super::from_wheels::{FromWheels, Reference};
 use super::run::Run;
+use super::wheel_parameters::{
+    DRIVE_FIRST, GYRO_LATENCY, GYRO_RATE, LAW_FIRST, MACHINE, OFFSET_X, POSE_RATE, RUN_BIAS,
+    RUN_NOISE_FIRST, RUN_POSE_LATE, RUN_RATE, RUN_TRACK, TRACK, TURNS_FIRST, drive_parameters,
+    gyro_parameters, pose_parameters,
+};
 use crate::estimate::blocks;
 use crate::estimate::cluster::LEAST_RUNS;
 use crate::estimate::information::{Dual, Rows, empty};

@@ -8,8 +8,8 @@ use crate::answer::Finding;
 use crate::estimate::Prior;
 use crate::estimate::term::{Attribution, Link, Term, Value};
 use crate::explain::kinematic::Baseline;
-use crate::model::from_wheels::RUN_BIAS;
 use crate::model::table::{Asked, Table};
+use crate::model::wheel_parameters::RUN_BIAS;
 
 /// A value of an effect: its name, how it changes, and its weights by the hypothesis' own numbers.
 #[derive(Debug, Clone)]

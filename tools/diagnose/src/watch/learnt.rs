@@ -13,7 +13,7 @@ use crate::model::drive::{
     AVERAGED, DEAD_ZONE, DELAY, DRIVE, FRICTION, GAIN, GAIN_ASYMMETRY, LAG, PULL, SLOW_SHARE,
     slow_s,
 };
-use crate::model::from_wheels::{
+use crate::model::wheel_parameters::{
     ASYMMETRY, COMMON, DRIVE_FIRST, GYRO_LATENCY, MACHINE, OFFSET_X, OFFSET_Y, OFFSET_YAW,
     POSE_LATENCY, RUN_BIAS, RUN_LATE, RUN_POSE_LATE, TRACK, drive_parameters, gyro_parameters,
     pose_parameters,

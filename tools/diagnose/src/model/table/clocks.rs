@@ -9,8 +9,10 @@ use super::sizes::{
 };
 use crate::estimate::term::Link;
 use crate::model::drive::{CLOCK, DELAY};
-use crate::model::from_wheels::{GYRO_LATENCY, GYRO_RATE, POSE_LATENCY, POSE_RATE, RUN_POSE_LATE};
 use crate::model::run::Run;
+use crate::model::wheel_parameters::{
+    GYRO_LATENCY, GYRO_RATE, POSE_LATENCY, POSE_RATE, RUN_POSE_LATE,
+};
 
 impl Known<'_> {
     /// Which streams are late, and whose clock runs fast.

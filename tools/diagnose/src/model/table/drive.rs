@@ -14,8 +14,8 @@ use crate::model::drive::{
     AVERAGED, DEAD_BAND, DEAD_ZONE, DELAY, FRICTION, GAIN, GAIN_ASYMMETRY, LAG, PULL, SAG,
     SATURATION, SLOW_SHARE, SLOW_TIME,
 };
-use crate::model::from_wheels::{ASYMMETRY, COMMON};
 use crate::model::run::Run;
+use crate::model::wheel_parameters::{ASYMMETRY, COMMON};
 
 impl Known<'_> {
     pub(super) fn commands(&self, all: &mut Vec<Draft>) {

@@ -5,10 +5,10 @@ use super::draft::{Draft, Place, Row};
 use super::sizes::{FACTOR, GYRO_ASYMMETRY, repeatability};
 use crate::estimate::Prior;
 use crate::model::command_to_wheels::CommandToWheels;
-use crate::model::from_wheels::DRIVE_FIRST;
 use crate::model::run::Run;
 use crate::model::streams::Streams;
 use crate::model::volts::{Load, Volts};
+use crate::model::wheel_parameters::DRIVE_FIRST;
 
 /// What is asked of a table.
 pub(crate) struct Asked<'a> {

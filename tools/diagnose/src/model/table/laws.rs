@@ -6,7 +6,7 @@ use super::draft::{Draft, Row, Shown, about};
 use super::known::Known;
 use super::sizes::{LAW_COST, LEAST_DRIVER, LENGTH_SHARE, TURN_COST};
 use crate::filter::motion_law::{OF_SIZE, TABLES, Table};
-use crate::model::from_wheels::LAW_FIRST;
+use crate::model::wheel_parameters::LAW_FIRST;
 
 impl Known<'_> {
     /// What is in proportion to the size of the turn rate: a speed that is lost, and a turn rate, for the track is

@@ -6,8 +6,8 @@ use super::parameters::{Key, Table, robot};
 use crate::estimate::pairs;
 use crate::model::command_to_wheels::{CommandToWheels, TIMES};
 use crate::model::drive::DRIVE;
-use crate::model::from_wheels::RUN_NOISE_FIRST;
 use crate::model::run::is_process;
+use crate::model::wheel_parameters::RUN_NOISE_FIRST;
 
 impl Table {
     /// Noise sizes: the sensors' of all runs together, beside first guesses of each run; what moves the pose of

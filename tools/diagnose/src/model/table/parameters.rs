@@ -5,7 +5,7 @@ use super::known::{Asked, Known};
 use super::sizes::{FACTOR, STAMP_SHARE, USUAL, repeatability};
 use crate::estimate::Prior;
 use crate::estimate::term::Term;
-use crate::model::from_wheels::{
+use crate::model::wheel_parameters::{
     RUN_BIAS, RUN_LATE, RUN_POSE_LATE, RUN_RATE, RUN_SCALE, RUN_TRACK,
 };
 

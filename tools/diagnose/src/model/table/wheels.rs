@@ -5,7 +5,7 @@ use super::draft::{Draft, Drafted, Row, Shown, about, mostly};
 use super::known::Known;
 use super::sizes::{FACTOR, LENGTH_SHARE, MOUNTINGS_RAD, PAIR, SIZE, repeatability};
 use crate::estimate::term::Link;
-use crate::model::from_wheels::{
+use crate::model::wheel_parameters::{
     ASYMMETRY, COMMON, OFFSET_X, OFFSET_Y, OFFSET_YAW, RUN_SCALE, RUN_TRACK, TRACK,
 };
 
