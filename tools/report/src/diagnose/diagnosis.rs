@@ -5,7 +5,7 @@ use slipstream_bus::RobotModel;
 use slipstream_recording::Recording;
 
 use super::errors::reached;
-use super::headline::headline;
+use super::headline::{are_alike, headline};
 use crate::parts::{Fact, capital};
 
 /// Effects that the sentence names, and the share of the error that each has to take away.
@@ -87,12 +87,20 @@ impl Diagnosis<'_> {
         parts.fold(0.0, f64::max)
     }
 
-    /// Findings of one effect together, those that take most error away first.
+    /// Whether it is told what changed since other recordings.
+    fn is_compared(&self) -> bool {
+        !self.answer.against.is_empty()
+    }
+
+    /// Findings that say the same together, those that take most error away first.
     fn groups(&self) -> Vec<Vec<&Finding>> {
         let mut groups: Vec<Vec<&Finding>> = Vec::new();
         for (_, _, finding) in self.numbered() {
+            let model = self.model(&finding.robot);
+            let changed =
+                |own: &Finding| slipstream_answer::change(own).filter(|_| self.is_compared());
             let alike = |own: &&mut Vec<&Finding>| {
-                own[0].effect == finding.effect && own[0].driver == finding.driver
+                are_alike([own[0], finding], model.as_ref()) && changed(own[0]) == changed(finding)
             };
             match groups.iter_mut().find(alike) {
                 Some(group) => group.push(finding),
@@ -138,7 +146,7 @@ impl Diagnosis<'_> {
             .iter()
             .take(NAMED)
             .map(|group| {
-                let changed = Some(group[0]).filter(|_| !self.answer.against.is_empty());
+                let changed = Some(group[0]).filter(|_| self.is_compared());
                 let words = changed.and_then(slipstream_answer::change);
                 self.whose(group)
                     + &words

@@ -11,6 +11,16 @@ const UNITS: [&str; 2] = ["m", "rad"];
 pub(super) struct Error {
     pub(super) ends: [f64; 2],
     pub(super) unit: &'static str,
+    /// The robot, where there are several.
+    robot: Option<String>,
+}
+
+impl Error {
+    /// " on r2", where there are several robots.
+    pub(super) fn whose(&self) -> String {
+        let robot = self.robot.as_ref();
+        robot.map_or_else(String::new, |robot| format!(" on {robot}"))
+    }
 }
 
 /// Errors of the robot that is worst off: position, heading.
@@ -18,22 +28,29 @@ pub(super) fn errors(answer: &Answer) -> Vec<Error> {
     let mut out = Vec::new();
     for unit in UNITS {
         let (factor, shown) = shown_unit(unit);
-        let ends = match worst(answer, unit) {
-            Some(own) => Some([own.before, own.after]),
+        let worst = match worst(answer, unit) {
+            Some(own) => Some((&own.robot, [own.before, own.after])),
             None => of_channels(answer, unit),
         };
-        if let Some(ends) = ends {
+        if let Some((robot, ends)) = worst {
             out.push(Error {
                 ends: ends.map(|end| factor * end),
                 unit: shown,
+                robot: Some(robot).filter(|_| has_several(answer)).cloned(),
             });
         }
     }
     out
 }
 
+fn has_several(answer: &Answer) -> bool {
+    let mut robots = answer.held_out.channels.iter().map(|own| &own.robot);
+    let first = robots.next();
+    robots.any(|own| Some(own) != first)
+}
+
 /// The same from the channels, where there is no budget.
-fn of_channels(answer: &Answer, unit: &str) -> Option<[f64; 2]> {
+fn of_channels<'a>(answer: &'a Answer, unit: &str) -> Option<(&'a String, [f64; 2])> {
     let names: &[&str] = if unit == "m" {
         &["pose_x", "pose_y"]
     } else {
@@ -47,16 +64,16 @@ fn of_channels(answer: &Answer, unit: &str) -> Option<[f64; 2]> {
             let [a, b] = sum.unwrap_or([0.0; 2]);
             Some([a + own.rms_before.powi(2), b + own.rms_after.powi(2)])
         })?;
-        Some(squares.map(f64::sqrt))
+        Some((robot, squares.map(f64::sqrt)))
     });
-    worst.max_by(|a, b| a[0].total_cmp(&b[0]))
+    worst.max_by(|a, b| a.1[0].total_cmp(&b.1[0]))
 }
 
 /// What the model reaches, in words: "1.1 cm and 0.3°".
 pub(super) fn reached(answer: &Answer) -> Option<String> {
     let words: Vec<String> = errors(answer)
         .iter()
-        .map(|own| with_unit(&short(own.ends[1]), own.unit))
+        .map(|own| with_unit(&short(own.ends[1]), own.unit) + &own.whose())
         .collect();
     (!words.is_empty()).then(|| words.join(" and "))
 }

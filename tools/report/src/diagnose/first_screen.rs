@@ -128,7 +128,7 @@ fn lead(answer: &Answer) -> Markup {
             (horizon) " s misses by "
             @for (place, own) in errors.iter().enumerate() {
                 @if place > 0 { ", and by " }
-                b class="ca" { (text(own, 1)) } " instead of " b class="cb" { (text(own, 0)) }
+                b class="ca" { (text(own, 1)) } " instead of " b class="cb" { (text(own, 0)) } (own.whose())
             }
             "."
             @if !left.is_empty() {
@@ -139,7 +139,7 @@ fn lead(answer: &Answer) -> Markup {
             "A prediction over " (horizon) " s misses by "
             @for (place, own) in errors.iter().enumerate() {
                 @if place > 0 { " and by " }
-                b class="ca" { (text(own, 1)) }
+                b class="ca" { (text(own, 1)) } (own.whose())
             }
             ", of which the sensors' noise is a part. What could still be hidden stands below."
         }

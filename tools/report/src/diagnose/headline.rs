@@ -7,6 +7,7 @@ use crate::effect_words::{Shown, driver, shown};
 use crate::parts::{fixed, short, with_unit};
 
 /// Parameters of a finding in words, and of all findings that are told together with it.
+#[derive(Clone, Copy)]
 struct SaidFindings<'a> {
     finding: &'a Finding,
     all: &'a [&'a Finding],
@@ -71,6 +72,18 @@ pub fn headline(all: &[&Finding], model: Option<&RobotModel>) -> String {
         .or_else(|| of_drive(&told))
         .or_else(|| of_sensor(&told));
     said.unwrap_or_else(|| outside(finding))
+}
+
+/// Whether two findings say the same with other sizes, so that one clause tells both.
+pub(super) fn are_alike(pair: [&Finding; 2], model: Option<&RobotModel>) -> bool {
+    let [one, other] = pair.map(|own| {
+        let mut words = headline(&[own], model);
+        words.retain(|c| !c.is_ascii_digit() && c != '.');
+        // messages name their robot
+        let to = own.effect.starts_with("link_").then_some(&own.robot);
+        (&own.effect, &own.driver, to, words)
+    });
+    one == other
 }
 
 /// From the least to the largest size, where they differ as they are written.
@@ -154,22 +167,14 @@ fn of_drive(told: &SaidFindings<'_>) -> Option<String> {
 fn of_sensor(told: &SaidFindings<'_>) -> Option<String> {
     let finding = told.finding;
     Some(match finding.effect.as_str() {
-        "wheel_radius" => radii("the wheels are", "wheel", "smaller", "larger", finding),
+        "wheel_radius" => radii("the wheels are", "wheel", ["smaller", "larger"], told.all),
         "encoder_scale" => radii(
             "the encoders count",
             "encoder",
-            "too little",
-            "too much",
-            finding,
+            ["too little", "too much"],
+            told.all,
         ),
-        "pose_offset" => {
-            let yaw = told.get("yaw_rad");
-            mounting(
-                told.get("x_m").as_ref(),
-                told.get("y_m").as_ref(),
-                yaw.as_ref(),
-            )
-        }
+        "pose_offset" => mounting(told),
         "pose_latency" => format!("the poses are stamped {}", told.late()),
         "wheels_latency" => format!("the wheels are stamped {}", told.late()),
         "imu_latency" => format!("the IMU is stamped {}", told.late()),
@@ -195,6 +200,7 @@ fn of_sensor(told: &SaidFindings<'_>) -> Option<String> {
 fn outside(finding: &Finding) -> String {
     let shape = finding.shape.as_deref().unwrap_or_default();
     let what = [
+        "turn rate beside that of the track",
         "forward speed",
         "force along the body",
         "moment about the vertical",
@@ -220,31 +226,39 @@ fn stream(word: &str) -> &str {
     }
 }
 
-/// Two factors of the wheels in words.
-fn radii(both: &str, each: &str, less: &str, more: &str, finding: &Finding) -> String {
-    let factor = |name: &str| {
+/// Two factors of the wheels in words. All findings say the same with other sizes.
+fn radii(both: &str, each: &str, [less, more]: [&str; 2], all: &[&Finding]) -> String {
+    let factor = |finding: &Finding, name: &str| {
         let own = finding.parameters.iter().find(|p| p.name == name);
         own.and_then(|own| Some((own.estimate? / own.nominal.unwrap_or(1.0), own.ci95?)))
     };
-    let change = |factor: f64| {
-        let side = if factor < 1.0 { less } else { more };
-        format!("{}\u{202f}% {side}", short(100.0 * (factor - 1.0).abs()))
+    let pairs = || {
+        let pair = |own: &&Finding| ["right_scale", "left_scale"].map(|name| factor(own, name));
+        all.iter().map(pair)
     };
-    match (factor("right_scale"), factor("left_scale")) {
-        (Some((right, own)), Some((left, other))) => {
-            let apart = own[0] > left || left > own[1] || other[0] > right || right > other[1];
-            if apart {
-                format!(
-                    "the right {each} is {}, the left {}",
-                    change(right),
-                    change(left)
-                )
+    let change = |factors: Vec<f64>| {
+        let side = if factors.first().is_some_and(|own| *own < 1.0) {
+            less
+        } else {
+            more
+        };
+        let sizes = factors.iter().map(|own| 100.0 * (own - 1.0).abs());
+        format!("{}\u{202f}% {side}", range(sizes, short))
+    };
+    let wheel = |side: usize| change(pairs().filter_map(|own| Some(own[side]?.0)).collect());
+    match pairs().next() {
+        Some([Some((right, own)), Some((left, other))])
+            if own[0] > left || left > own[1] || other[0] > right || right > other[1] =>
+        {
+            format!("the right {each} is {}, the left {}", wheel(0), wheel(1))
                 .replace("encoder is", "encoder counts")
-            } else {
-                format!("{both} {}", change(f64::midpoint(right, left)))
-            }
         }
-        (Some((one, _)), None) | (None, Some((one, _))) => format!("{both} {}", change(one)),
+        Some([Some(_), Some(_)]) => {
+            let middles = pairs().filter_map(|[a, b]| Some(f64::midpoint(a?.0, b?.0)));
+            format!("{both} {}", change(middles.collect()))
+        }
+        Some([Some(_), None]) => format!("{both} {}", wheel(0)),
+        Some([None, Some(_)]) => format!("{both} {}", wheel(1)),
         _ => format!("{both} other than the model has them"),
     }
 }
@@ -266,18 +280,32 @@ fn track(all: &[&Finding]) -> String {
     )
 }
 
-fn mounting(x: Option<&Shown>, y: Option<&Shown>, yaw: Option<&Shown>) -> String {
-    let part = |own: Option<&Shown>| own.map_or(0.0, |own| own.is - own.was.unwrap_or(0.0));
-    let off_cm = part(x).hypot(part(y));
+/// Where the pose sensor sits. All findings say the same with other sizes.
+fn mounting(told: &SaidFindings<'_>) -> String {
+    let each = |name: &str| -> Vec<Option<Shown>> {
+        let own = told
+            .all
+            .iter()
+            .map(|finding| SaidFindings { finding, ..*told });
+        own.map(|own| own.get(name)).collect()
+    };
+    let [x, y, yaw] = ["x_m", "y_m", "yaw_rad"].map(each);
+    let part = |own: &Option<Shown>| {
+        own.as_ref()
+            .map_or(0.0, |own| own.is - own.was.unwrap_or(0.0))
+    };
     let is_known = |own: &&Shown| own.interval[0] > 0.0 || own.interval[1] < 0.0;
-    let turned = yaw
-        .filter(is_known)
-        .map(|own| fixed(own.is.abs(), own.digits.min(2)));
-    let place = (x.is_some() || y.is_some()).then(|| {
+    let has_place = x.iter().chain(&y).any(Option::is_some);
+    let place = has_place.then(|| {
+        let off_cm = x.iter().zip(&y).map(|(x, y)| part(x).hypot(part(y)));
         format!(
             "the pose sensor sits {} cm from where the model has it",
-            short(off_cm)
+            range(off_cm, short)
         )
+    });
+    let turned = yaw[0].as_ref().filter(is_known).map(|first| {
+        let sizes = yaw.iter().flatten().map(|own| own.is.abs());
+        range(sizes, |size| fixed(size, first.digits.min(2)))
     });
     match (place, turned) {
         (Some(place), Some(turned)) => format!("{place} and is turned by {turned}°"),
@@ -365,6 +393,44 @@ mod tests {
             "the right wheel is 5.0\u{202f}% larger, the left 10.0\u{202f}% smaller"
         );
     }
+
+    #[test]
+    fn only_what_says_the_same_with_another_size_is_told_together() {
+        let of = |robot: &str, right: f64, left: f64| {
+            let mut own = finding("wheel_radius");
+            robot.clone_into(&mut own.robot);
+            for (parameter, value) in own.parameters.iter_mut().zip([right, left]) {
+                parameter.estimate = Some(value);
+                parameter.ci95 = Some([value - 0.02, value + 0.02]);
+            }
+            own
+        };
+        let [a, b] = [of("a", 1.046, 1.052), of("b", 1.36, 1.38)];
+        assert!(are_alike([&a, &b], None));
+        assert_eq!(
+            headline(&[&a, &b], None),
+            "the wheels are 4.9 to 37.0\u{202f}% larger"
+        );
+        for other in [of("b", 0.9, 0.91), of("b", 1.2, 1.05)] {
+            assert!(!are_alike([&a, &other], None));
+        }
+        let unknown = |shape: &str| Finding {
+            effect: "unknown".to_owned(),
+            shape: Some(shape.to_owned()),
+            driver: Some("w".to_owned()),
+            ..a.clone()
+        };
+        let speed = unknown("forward speed that depends on the turn rate: -0.1 m/s at +0.4 rad/s");
+        let turn = unknown(
+            "turn rate beside that of the track that depends on the turn rate: +0.3 rad/s at +0.3 rad/s",
+        );
+        assert!(!are_alike([&speed, &turn], None));
+        assert!(headline(&[&turn], None).starts_with("a turn rate beside that of the track that"));
+        let mut late = finding("link_delay");
+        late.robot = "r2".to_owned();
+        assert!(!are_alike([&late, &finding("link_delay")], None));
+    }
+
     #[test]
     fn findings_that_are_told_together_keep_their_sizes() {
         let own = finding("track_width");

@@ -23,7 +23,7 @@ pub(super) fn markdown(diagnosis: &Diagnosis<'_>) -> String {
         .iter()
         .map(|own| {
             let [before, after] = own.ends.map(|end| with_unit(&short(end), own.unit));
-            format!("{after} (before: {before})")
+            format!("{after}{} (before: {before})", own.whose())
         })
         .collect();
     if !errors.is_empty() {
