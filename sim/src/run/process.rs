@@ -110,6 +110,7 @@ pub fn run(folder: &Path, launcher: Parent, recording: bool) -> Result<PlantOutc
         )
     };
     joined.wake_page().advance(Stage::Over);
+    let loop_s = begin.elapsed().as_secs_f64();
     records.finish();
     Ok(PlantOutcome {
         report: observer.finish(&world),
@@ -118,7 +119,7 @@ pub fn run(folder: &Path, launcher: Parent, recording: bool) -> Result<PlantOutc
         real_time,
         lost_records: records.lost(),
         start_up_s,
-        loop_s: begin.elapsed().as_secs_f64(),
+        loop_s,
     })
 }
 

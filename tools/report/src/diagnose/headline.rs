@@ -7,7 +7,6 @@ use crate::effect_words::{Shown, driver, shown};
 use crate::parts::{fixed, short, with_unit};
 
 /// Parameters of a finding in words, and of all findings that are told together with it.
-#[derive(Clone, Copy)]
 struct SaidFindings<'a> {
     finding: &'a Finding,
     all: &'a [&'a Finding],
@@ -15,9 +14,19 @@ struct SaidFindings<'a> {
 }
 
 impl SaidFindings<'_> {
+    fn of(&self, finding: &Finding, name: &str) -> Option<Shown> {
+        let own = finding.parameters.iter().find(|p| p.name == name)?;
+        shown(&finding.effect, own, self.model)
+    }
+
     fn get(&self, name: &str) -> Option<Shown> {
-        let own = self.finding.parameters.iter().find(|p| p.name == name)?;
-        shown(&self.finding.effect, own, self.model)
+        self.of(self.finding, name)
+    }
+
+    /// The parameter of every finding that is told.
+    fn each(&self, name: &str) -> Vec<Option<Shown>> {
+        let all = self.all.iter();
+        all.map(|finding| self.of(finding, name)).collect()
     }
 
     /// The size of a parameter with its unit; from the least to the largest one where several findings are told.
@@ -25,10 +34,8 @@ impl SaidFindings<'_> {
         let Some(own) = self.get(name) else {
             return "an unknown amount".to_owned();
         };
-        let sizes = self.all.iter().filter_map(|finding| {
-            let own = finding.parameters.iter().find(|p| p.name == name)?;
-            Some(shown(&finding.effect, own, self.model)?.is.abs())
-        });
+        let each = self.each(name);
+        let sizes = each.iter().flatten().map(|own| own.is.abs());
         with_unit(
             &range(sizes, |size| fixed(size, own.digits.min(2))),
             own.unit,
@@ -282,14 +289,7 @@ fn track(all: &[&Finding]) -> String {
 
 /// Where the pose sensor sits. All findings say the same with other sizes.
 fn mounting(told: &SaidFindings<'_>) -> String {
-    let each = |name: &str| -> Vec<Option<Shown>> {
-        let own = told
-            .all
-            .iter()
-            .map(|finding| SaidFindings { finding, ..*told });
-        own.map(|own| own.get(name)).collect()
-    };
-    let [x, y, yaw] = ["x_m", "y_m", "yaw_rad"].map(each);
+    let [x, y, yaw] = ["x_m", "y_m", "yaw_rad"].map(|name| told.each(name));
     let part = |own: &Option<Shown>| {
         own.as_ref()
             .map_or(0.0, |own| own.is - own.was.unwrap_or(0.0))

@@ -118,6 +118,7 @@ pub fn run_over(
     let ended = robots.drive();
     robots.leave();
     joined.wake_page().advance(Stage::Over);
+    let loop_s = begin.elapsed().as_secs_f64();
     robots.records.finish();
     Ok(RobotsOutcome {
         robots: robots.fleet.reports(),
@@ -127,7 +128,7 @@ pub fn run_over(
         real_time,
         lost_records: robots.records.lost(),
         start_up_s,
-        loop_s: begin.elapsed().as_secs_f64(),
+        loop_s,
     })
 }
 
